@@ -49,6 +49,9 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool], joint: float | 
     # Walls of one name that do not touch: it is the name of their stones that loads go by.
     if unnamed := [] if fitted.vaults else [name for name in parts if name not in fitted.panel]:
         note += f" No stones are called {', '.join(unnamed)}: a load on the name in the drawing reaches all walls that have it."
+    if fitted.moved:
+        most = max(fitted.moved, key=lambda name: fitted.moved[name])
+        note += f" Walls were moved to meet squarely, by {1e3 * fitted.moved[most]:.2g} mm at most ({most})."
     if len(fitted.unfit):
         few = ", ".join(fitted.unfit[:8])
         note += f" {counted(len(fitted.unfit), 'stone fits', 'stones fit')} none: {few}{' ...' if len(fitted.unfit) > 8 else ''}."

@@ -16,7 +16,7 @@ from churchpipe.large_displacements.moving_model import MovingModel, bearing, mo
 from churchpipe.large_displacements.path import PathStep, solve_state
 from churchpipe.large_displacements.path_arguments import check_path
 from churchpipe.large_displacements.path_state import PathState, first_state
-from churchpipe.large_displacements.record import Progress, Record
+from churchpipe.large_displacements.record import Progress, Record, vanished
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.state_program import approached, as_in
 from churchpipe.large_displacements.travelling import live_loads
@@ -297,7 +297,7 @@ class _Curve(Record):
 
     def reached(self) -> Ending | None:
         """Return how the curve ends: the load factor has vanished, or a stone has gone far enough."""
-        if self.load_factor[-1] <= self.nothing:
+        if vanished(self.load_factor, self.proofs[-1][-1], self.nothing):
             return Ending("vanished")
         if self.furthest is not None and self.largest[-1] >= self.furthest:
             return Ending("unfinished", f"the largest displacement asked for, {self.furthest:g} m, was reached")
@@ -368,7 +368,8 @@ class _Curve(Record):
             )
         d0 = gone[-1] if ending.status == "collapsed" and factor else float("nan")
         if ending.status == "vanished":
-            d0 = vanishing(np.array(gone), np.array(factor))
+            end = len(gone) + 1 - vanished(factor, self.proofs[-1][-1], self.nothing)
+            d0 = vanishing(np.array(gone[:end]), np.array(factor[:end]))
         return BlockCapacityCurve(
             displacement=np.array(gone),
             load_factor=np.array(factor),

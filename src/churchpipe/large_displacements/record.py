@@ -1,7 +1,7 @@
 """The steps of a path as they are taken."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -163,3 +163,13 @@ class Record(ABC):
 def _standing(model: MovingModel, step: PathStep) -> BoolArray:
     """Return which stones (nb,) stand at a step: neither fallen nor fixed."""
     return ~step.state.fallen & ~model.stones.fixed
+
+
+def vanished(load_factor: Sequence[float], misfit: float, nothing: float) -> int:
+    """Return how many of the last steps of a curve have no load factor left, 0 where that does not end it.
+
+    misfit: of the last one, over its load factor. The forces of a step that is no equilibrium act across open gaps, and the next
+    may stand higher again: two in a row end the curve. nothing: a load factor that the balance cannot tell from zero.
+    """
+    last = next((number for number, value in enumerate(reversed(load_factor)) if value > nothing), len(load_factor))
+    return last if last > 1 or misfit <= PATH.credible else 0

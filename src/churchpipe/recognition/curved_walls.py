@@ -11,6 +11,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indi
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import CylinderChart
 from churchpipe.model.polyhedra import face_normals
+from churchpipe.recognition.wall_planes import TURN
 
 # Faces and corners that differ by less than this are on one plane or cylinder, m, and normals in one direction, rad.
 TOLERANCE = 1e-4
@@ -82,7 +83,7 @@ def _turning_joints(stones: Assemblage) -> _Joints:
     for block in np.flatnonzero(~stones.fixed):
         faces = np.arange(*stones.block_face_ptr[block : block + 2])
         faces = faces[np.abs(normal[faces, 2]) < TOLERANCE]
-        alone = faces[(normal[faces] @ normal[faces].T > TOLERANCE**2 / 2 - 1).all(axis=1)]
+        alone = faces[(normal[faces] @ normal[faces].T > TURN**2 / 2 - 1).all(axis=1)]
         owner += [int(block)] * len(alone)
         kept.append(alone)
     face = np.concatenate(kept) if kept else np.empty(0, dtype=np.int64)
@@ -125,6 +126,8 @@ def _cylinder(stones: Assemblage, joints: _Joints, wedges: IntArray, base: float
     spoke = _corners(stones, ringed)[0][:, :2] - centre
     reach = np.linalg.norm(spoke, axis=1)
     spoke = spoke[(np.abs(reach - near) < TOLERANCE) | (np.abs(reach - far) < TOLERANCE)]
+    if not len(spoke):
+        return None, 0.0
     angle = np.sort(np.arctan2(spoke[:, 1], spoke[:, 0]))
     gap = np.diff(angle, append=angle[0] + 2 * np.pi)
     steps = gap[gap > TOLERANCE]

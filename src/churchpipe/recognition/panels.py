@@ -1,7 +1,7 @@
 """From the stones of a drawing to the panels that the shell is made of."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -37,6 +37,7 @@ from churchpipe.model.materials import UnitWeight
 from churchpipe.model.vault import Vault
 from churchpipe.recognition.rings import voussoir_rings
 from churchpipe.recognition.separate_walls import GRID, closed, filled, separate_walls
+from churchpipe.recognition.squaring import squared
 from churchpipe.recognition.stone_walls import StoneWall, stone_walls
 from churchpipe.recognition.supports import support_of
 from churchpipe.recognition.vaults import VAULT, fit_vaults
@@ -56,7 +57,8 @@ class FittedPanels:
 
     stones: those that they were fitted to, with which the match gate compares the shell: half of the mortar of its joints is part
     of each stone, and its panel is the one fitted, or the part of it. If none of the stones of a name could be fitted they keep
-    that name, so that the gate reports what is missing. Other stones without a panel have "".
+    that name, so that the gate reports what is missing. Other stones without a panel have "". moved: how far walls, by their
+    names, were turned or lengthened to meet at right angles, m (see `squared`).
     """
 
     panels: tuple[Panel, ...]
@@ -64,6 +66,7 @@ class FittedPanels:
     unfit: NameArray
     stones: Assemblage
     vaults: tuple[Vault, ...] = ()
+    moved: Mapping[str, float] = field(default_factory=dict[str, float])
 
     @property
     def panel(self) -> NameArray:
@@ -121,12 +124,12 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
             expected="stones with two upright parallel faces",
             remedy="Tag the stones of each wall with PANEL, or run the rigid blocks alone.",
         )
-    panels = tuple(_panel(stones, wall, walls, contact_gap) for wall in walls)
+    panels, moved = squared([_panel(stones, wall, walls, contact_gap) for wall in walls])
     known = [name for wall in walls for name in np.unique(wall.tag)]
     panel = np.where(stones.fixed | np.isin(stones.panel, known), "", stones.panel).astype(np.object_)
     for wall in walls:
         panel[wall.stones] = wall.tag
-    return FittedPanels(panels, supports, stones.block_id[unfit], replace(stones, panel=panel.astype(str)))
+    return FittedPanels(tuple(panels), supports, stones.block_id[unfit], replace(stones, panel=panel.astype(str)), moved=moved)
 
 
 def wall_names(stones: Assemblage, joint: float | None) -> NameArray:

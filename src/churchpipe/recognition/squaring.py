@@ -16,6 +16,8 @@ from churchpipe.recognition.insets import is_single
 
 # A wall is moved by no more than this share of the thickness of the thinner one of two: faces may be less even than that.
 NEAR = 0.005
+# What moves by less, m, is rounding of the computer.
+_STILL = 1e-9
 # Directions whose cosine is below this are at right angles: those that were made so.
 RIGHT = 1e-9
 
@@ -69,7 +71,7 @@ def _turned(panel: Panel, before: Sequence[Panel]) -> tuple[Panel, float]:
         exact = axis * np.sign(cosine) if abs(cosine) > 0.5 else np.array([-axis[1], axis[0], 0.0])
         exact = exact * np.sign(exact @ chart.s_axis)
         by = 0.5 * (high - low) * float(np.linalg.norm(exact - chart.s_axis))
-        if by == 0:
+        if by < _STILL:
             return panel, 0.0
         if by < NEAR * min(panel.thickness, other.thickness):
             middle = chart.origin + 0.5 * (low + high) * chart.s_axis
@@ -95,7 +97,7 @@ def _ended(panel: Panel, others: Sequence[Panel]) -> tuple[Panel, float]:
             if abs(own[nearest] - mark) < near:
                 new[nearest] = mark
     by = float(np.abs(new - own).max())
-    if by == 0 or (np.diff(new) <= 0).any():
+    if by < _STILL or (np.diff(new) <= 0).any():
         return panel, 0.0
 
     def on_faces(outline: FloatArray) -> FloatArray:
@@ -107,6 +109,7 @@ def _ended(panel: Panel, others: Sequence[Panel]) -> tuple[Panel, float]:
         outline=on_faces(panel.outline),
         openings=tuple(replace(opening, outline=on_faces(opening.outline)) for opening in panel.openings),
         regions=tuple(replace(region, outline=on_faces(region.outline)) for region in panel.regions),
+        parts=tuple(replace(part, outline=on_faces(part.outline)) for part in panel.parts),
     ), by
 
 

@@ -14,7 +14,15 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Chart, PlaneChart
 from churchpipe.recognition.curved_walls import curved_walls
 from churchpipe.recognition.elevations import elevations
-from churchpipe.recognition.wall_planes import LEAST_LEAF, PLANE_TOLERANCE, WallPlane, behind_one_another, wall_planes
+from churchpipe.recognition.wall_planes import (
+    FLAT,
+    LEAST_LEAF,
+    PLANE_TOLERANCE,
+    TURN,
+    WallPlane,
+    behind_one_another,
+    wall_planes,
+)
 
 # Walls further from the origin than this, m, are sought beside it: rounded coordinates turn their planes about the origin.
 _FAR = 10.0
@@ -110,9 +118,8 @@ def _check_leaves(stones: Assemblage, planes: Sequence[WallPlane], base: float, 
 def _joined(stones: Assemblage, planes: Sequence[WallPlane], base: float, contact_gap: float) -> list[list[WallPlane]]:
     """Return plane walls that lie in one plane, are as thick and touch as one, that first which most others touch."""
     links = np.zeros((len(planes), len(planes)), dtype=np.bool_)
-    place = np.array([[*p.normal[:2], p.offset, p.thickness] for p in planes]).reshape(-1, 4)
     for i, j in combinations(range(len(planes)), 2):
-        if np.abs(place[i] - place[j]).max() < PLANE_TOLERANCE:
+        if _one_plane(stones, planes[i], planes[j]):
             chart = _chart(stones, planes[i], base)
             first, second = (united(elevations(stones, planes[k].stones, chart, planes[i].thickness)) for k in (i, j))
             links[i, j] = links[j, i] = within(first, second, contact_gap)
@@ -120,6 +127,18 @@ def _joined(stones: Assemblage, planes: Sequence[WallPlane], base: float, contac
     volume = [float(stones.volume[p.stones].sum()) for p in planes]
     rank = np.lexsort((-np.array(volume), -links.sum(axis=1)))
     return [[planes[int(k)] for k in rank if label[k] == number] for number in np.unique(label)]
+
+
+def _one_plane(stones: Assemblage, one: WallPlane, other: WallPlane) -> bool:
+    """Return whether the middles of the stones of either wall lie in the plane of the other, which is as thick."""
+    if np.abs(one.normal - other.normal).max() > TURN or abs(one.thickness - other.thickness) > PLANE_TOLERANCE:
+        return False
+    # Their own planes are known where they stand.
+    apart = [
+        np.average(stones.centroid[wall.stones], axis=0, weights=stones.volume[wall.stones]) @ plane.normal - plane.offset
+        for wall, plane in ((one, other), (other, one))
+    ]
+    return float(np.abs(apart).max()) < FLAT
 
 
 def _plane_wall(stones: Assemblage, group: Sequence[WallPlane], base: float) -> StoneWall:

@@ -324,6 +324,34 @@ def test_a_turned_wall_away_from_the_origin_is_one_wall_in_rounded_coordinates(a
     assert [(panel.name, round(panel.thickness, 4)) for panel in fit_panels(rounded).panels] == [("wall-1", 0.4)]
 
 
+def _turned(stones, degrees: float, decimals: int):
+    """Stones turned in plan, their coordinates rounded."""
+    turn = np.radians(degrees)
+    rotation = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    found = moved(stones, rotation, np.zeros(3))
+    return replace(found, points=np.round(found.points, decimals))
+
+
+@pytest.mark.parametrize("turn", [17.3, 30.0])
+def test_a_turned_wall_rounded_to_a_tenth_of_a_millimetre_is_one_wall(turn) -> None:
+    # As a drawing in millimetres with one decimal. Ends of bricks of .12 m turn by up to 1.2e-3 rad.
+    laid = derive_blocks(wall(length=6.0, brick=(0.25, 0.12, 0.1), courses=20, materials=(TUFF,)))
+    fitted = fit_panels(_turned(replace(laid, panel=np.where(laid.fixed, laid.panel, "").astype(str)), turn, 4))
+    assert [(panel.name, round(panel.thickness, 3)) for panel in fitted.panels] == [("wall-1", 0.12)]
+    assert not len(fitted.unfit)
+    assert np.ptp(fitted.panels[0].outline, axis=0) == pytest.approx([6.0, 2.0], abs=3e-4)
+
+
+def test_turned_walls_of_rounded_coordinates_are_moved_to_meet_squarely() -> None:
+    stones = _turned(derive_blocks(box(length=4.0, width=3.0, courses=8, brick=(0.5, 0.25, 0.25), materials=(TUFF,))), 17.3, 6)
+    fitted = fit_panels(stones)
+    assert 0 < max(fitted.moved.values()) < 2e-6
+    shell = derive_shell(fitted.building(), 0.4)
+    assert match_models(fitted.stones, find_contacts(fitted.stones), shell).passed
+    # Nothing is moved where nothing is rounded.
+    assert fit_panels(derive_blocks(box(length=4.0, width=3.0, courses=8, brick=(0.5, 0.25, 0.25)))).moved == {}
+
+
 @pytest.mark.parametrize("build", [box, apse])
 def test_walls_in_the_coordinates_of_a_map_are_those_at_the_origin(build) -> None:
     # Half a million metres from the origin, the rounding of coordinates turned planes by more than walls are told apart by.
