@@ -368,8 +368,7 @@ class _Curve(Record):
             )
         d0 = gone[-1] if ending.status == "collapsed" and factor else float("nan")
         if ending.status == "vanished":
-            end = len(gone) + 1 - vanished(factor, self.proofs[-1][-1], self.nothing)
-            d0 = vanishing(np.array(gone[:end]), np.array(factor[:end]))
+            d0 = vanishing(np.array(gone), np.array(factor))
         return BlockCapacityCurve(
             displacement=np.array(gone),
             load_factor=np.array(factor),

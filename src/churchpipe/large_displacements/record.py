@@ -165,11 +165,12 @@ def _standing(model: MovingModel, step: PathStep) -> BoolArray:
     return ~step.state.fallen & ~model.stones.fixed
 
 
-def vanished(load_factor: Sequence[float], misfit: float, nothing: float) -> int:
-    """Return how many of the last steps of a curve have no load factor left, 0 where that does not end it.
+def vanished(load_factor: Sequence[float], misfit: float, nothing: float) -> bool:
+    """Return whether a curve ends because it has no load factor left.
 
-    misfit: of the last one, over its load factor. The forces of a step that is no equilibrium act across open gaps, and the next
+    misfit: of the last step, over its load factor. The forces of a step that is no equilibrium act across open gaps, and the next
     may stand higher again: two in a row end the curve. nothing: a load factor that the balance cannot tell from zero.
     """
-    last = next((number for number, value in enumerate(reversed(load_factor)) if value > nothing), len(load_factor))
-    return last if last > 1 or misfit <= PATH.credible else 0
+    if load_factor[-1] > nothing:
+        return False
+    return misfit <= PATH.credible or (len(load_factor) > 1 and load_factor[-2] <= nothing)

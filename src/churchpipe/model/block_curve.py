@@ -22,11 +22,14 @@ ALIKE = 1e-5
 def vanishing(displacement: FloatArray, load_factor: FloatArray) -> float:
     """Return where a curve (ns,) that came down to zero vanishes, m.
 
-    That is between the last two steps, or, where the last load factor is but rounding above zero, at the last.
+    That is before the first of its last steps that are not above zero, or, where the last load factor is but rounding above zero,
+    at the last.
     """
-    if len(displacement) < 2 or load_factor[-1] > 0:
-        return float(displacement[-1])
-    (before, last), (high, low) = displacement[-2:], load_factor[-2:]
+    above = np.flatnonzero(load_factor > 0)
+    if not len(above) or above[-1] == len(load_factor) - 1:
+        return float(displacement[-1 if len(above) else 0])
+    around = slice(above[-1], above[-1] + 2)
+    (before, last), (high, low) = displacement[around], load_factor[around]
     return float(before + high / (high - low) * (last - before))
 
 
