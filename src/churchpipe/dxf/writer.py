@@ -60,7 +60,7 @@ def write_dxf(
     """
     check_kind("write_dxf: assemblage", assemblage, Assemblage, remedy="derive_blocks(building) makes one.")
     path = path_of("write_dxf: path", path)
-    if path.suffix.lower() != ".dxf":
+    if path.suffix.lower() not in ("", ".dxf"):
         raise InputError("write_dxf: path", "not the name of a drawing", found=path.name, expected="a name that ends in .dxf")
     materials, loads = listed("write_dxf: materials", materials, Material), listed("write_dxf: loads", loads, LoadCase)
     if units not in ("m", "mm"):

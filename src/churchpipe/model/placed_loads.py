@@ -65,7 +65,11 @@ class PlacedLoads(Shown):
         return np.asarray(-self.dead[:, 2])
 
     def _rows(self) -> tuple[str, Mapping[str, object]]:
-        rows = {"parts": len(self.stone), "stones": len(np.unique(self.stone)), "mass, kN": float(self.mass.sum()) / 1e3}
+        rows: dict[str, object] = {
+            "parts": len(self.stone),
+            "stones": len(np.unique(self.stone)),
+            "mass, kN": float(self.mass.sum()) / 1e3,
+        }
         for name in dict.fromkeys(self.load.tolist()):
             force = self.dead[self.load == name].sum(axis=0) / 1e3
             rows[f"{name} (x, y, z), kN"] = f"({', '.join(f'{part:z.4g}' for part in force)})"
