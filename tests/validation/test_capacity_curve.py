@@ -325,15 +325,9 @@ def test_s22() -> None:
     assert curve.load_factor[-1] < 0.06 * curve.load_factor[0]
     # The interval of the certified load factor without dilatancy as drawn.
     assert 0.1882 <= curve.load_factor[0] <= 0.1889
-    # Of twenty-two runs that differ by rounding or by the step.
+    # Of twenty-one runs that differ by rounding or by the step.
     assert 0.0188 <= curve.d0 <= 0.0196
-    # Rounding decides whether the structure jumps as bricks slide off what they lay on, and which stones hang in the last
-    # millimetre: all other steps are proved, those before the drop to .2 %.
-    assert curve.residual.max() < 1e-8
-    assert curve.violation.max() < 1e-8
-    assert curve.misfit[curve.displacement < 0.0146].max() <= 2e-3
-    unproved = curve.displacement[curve.misfit > 0.01]
-    assert ((np.abs(unproved - 0.0148) < 2e-4) | (unproved > 0.0182)).all()
+    assert_certified(curve)
     work, taken = energies(stones, curve)
     assert work == pytest.approx(taken, rel=2e-2)
 
@@ -342,23 +336,24 @@ def test_s22() -> None:
 def test_s22_in_half_the_step() -> None:
     stones, contacts = model("S22")
     whole, half = (block_pushover(stones, contacts, LOADS["S22"], 0.7, step=step, furthest=0.072) for step in (0.004, 0.002))
-    # Within one step the bricks at the top of a partition slide off what they lay on, and the load factor drops. What follows
-    # hangs on rounding: the structure may jump, in steps that are no equilibria and are told as such.
+    assert whole.proved
+    assert half.proved
+    # Within one step the bricks at the top of a partition slide off what they lay on, and the load factor drops.
     drop = [int(np.argmin(np.diff(curve.load_factor))) for curve in (whole, half)]
     begins, ends = (
         np.array([curve.displacement[k + more] for curve, k in zip((whole, half), drop, strict=True)]) for more in (0, 1)
     )
-    for curve, k in zip((whole, half), drop, strict=True):
-        assert curve.misfit[: k + 1].max() <= 2e-3
-        assert curve.proved or "jumps" in curve.message
-    # The place of the drop is known to a tenth of a step of some .9 mm, and both curves agree on it within a hundredth.
+    # The place of the drop is known to a tenth of a step of some .9 mm, and both curves agree on it within a hundredth: where
+    # bricks come off hangs on rounding.
     assert (ends - begins).max() < 1e-4
     assert abs(begins[0] - begins[1]) < 0.01 * begins.min()
     same = np.interp(half.displacement, whole.displacement, whole.load_factor)
     apart = np.abs(half.load_factor - same) / whole.load_factor[0]
     assert apart[half.displacement <= 0.014].max() <= 2e-3
-    # Just before the drop bricks begin to go their own ways.
-    assert apart[half.displacement <= begins.min()].max() <= 2e-2
+    assert apart[half.displacement <= begins.min()].max() <= 5e-3
+    # Which bricks carry the others is decided anew then: for half a millimetre the curves are further apart.
+    assert apart[half.displacement >= ends.max()].max() <= 6e-2
+    assert apart[half.displacement >= ends.max() + 5e-4].max() <= 2e-2
 
 
 @pytest.mark.slow("docs/capacity_curve.md: S5")

@@ -81,6 +81,7 @@ def test_a_barrel_with_courses_along_it_loses_nothing() -> None:
         # By this code alone; without ribs .2370 and .1016.
         (vault, 0.15, GROIN | RIBS, (0.2830, 0.2822, 0.2840)),
         (vault, 0.12, GROIN | RIBS, (0.2489, 0.2483, 0.2494)),
+        (vault, 0.10, PAVILION, (0.5311, 0.5284, 0.5342)),
         (vault, 0.10, PAVILION | {"corner": "mitre", "heads": "aligned"}, (0.3562, 0.3525, 0.3602)),
         (dome, 0.15, HALF, (0.4399, 0.4137, 0.4914)),
     ],
@@ -95,8 +96,6 @@ def test_other_vaults_slide(case: Case) -> None:
     [
         ((vault, 0.12, BARREL | {"length": 4.0} | ARCHES, (0.3590, 0.3578, 0.3603)), 0.02),
         ((dome, 0.10, DOME | {"sides": 32, "stone_sides": 1, "laid": "lunes"}, (0.3290, 0.3273, 0.3310)), 0.045),
-        # Of three codes and roundings .5251, .5288 and .5311.
-        ((vault, 0.10, PAVILION, (0.5311, 0.5284, 0.5342)), 0.015),
         ((dome, 0.10, DOME | {"laid": "lunes"}, (0.3162, 0.3145, 0.3180)), 0.03),
     ],
 )
