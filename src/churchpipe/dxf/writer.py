@@ -56,7 +56,8 @@ def write_dxf(
     Raises
     ------
     InputError
-        A path with another ending, a name that a drawing cannot hold, a unit weight that contradicts its material, a file that cannot be written.
+        A path with another ending, a name that a drawing cannot hold, a unit weight that contradicts its material, a file
+        that cannot be written.
     """
     check_kind("write_dxf: assemblage", assemblage, Assemblage, remedy="derive_blocks(building) makes one.")
     path = path_of("write_dxf: path", path)
