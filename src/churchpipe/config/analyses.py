@@ -20,7 +20,7 @@ _Corner = tuple[Coordinate, Coordinate]
 _GAP = Quantity("_mm", 0.0, above=True, usual=Usual(1e-6, 50, "joints of mortar are some 10 wide, those of drawn stones below 1"))
 _OVERLAP = Quantity("_mm", 0.0, above=True, usual=Usual(1e-6, 50, "stones that are drawn or scanned overlap by some mm"))
 # How far a path goes: less than 1e-6 m or rad is lost to rounding, and refused in Python as well.
-_FURTHEST = Quantity("_deg", 6e-5, key="furthest_deg")
+_FURTHEST = Quantity("_deg", 6e-5, high=180, key="furthest_deg")
 _Way = Annotated[float, Quantity("_mm", 1e-3)]
 _Part = Annotated[float, Quantity()]
 

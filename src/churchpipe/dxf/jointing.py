@@ -18,6 +18,8 @@ MANY = 0.25
 # Joints wider than this many times the smallest dimension of the median stone are a slip of the pen; contacts reach across joints
 # that are kept open up to half of it.
 WIDEST_GROWN, WIDEST_KEPT = 2.0, 0.5
+# Widths that differ by a smaller share are told as one.
+ALIKE = 1e-3
 
 
 def jointed(
@@ -48,8 +50,9 @@ def jointed(
         return stones, np.ones(len(stones))
     free = np.array([not stone.fixed for stone in stones])
     before, after = (unit**3 * float(volume[free].sum()) for volume in (closed.volume_before, closed.volume))
-    lengths = (float(closed.joints.width.min()), float(closed.joints.width.max()))
-    what = f"{counted(count, 'joint')} of {{}} to {{}}; stones {before:.6g} m3, with their mortar {after:.6g} m3: "
+    low, high = float(closed.joints.width.min()), float(closed.joints.width.max())
+    lengths, wide = ((high,), "{}") if _alike(low, high) else ((low, high), "{} to {}")
+    what = f"{counted(count, 'joint')} of {wide}; stones {before:.6g} m3, with their mortar {after:.6g} m3: "
     if mode == "keep":
         findings.append(Finding("W26", what + "stones were left as drawn, contacts reach across", lengths=lengths))
         return stones, 1 / share if mortar == "counted" else np.ones(len(stones))
@@ -72,6 +75,11 @@ def unnamed_joints(stones: Sequence[Stone], unit: float) -> list[Finding]:
     if count < MANY * len(stones):
         return []
     low, usual, high = (float(value) for value in np.quantile(width, (0.0, 0.5, 1.0)))
-    what = f"{count} gaps between the stones, from {{}} to {{}}, most about {{}}"
+    wide, lengths = ("{}", (usual,)) if _alike(low, high) else ("from {} to {}, most about {}", (low, high, usual))
+    what = f"{count} gaps between the stones, {wide}"
     remedy = f"Pass --joint {1e3 * unit * usual:.3g}mm to grow the stones until they meet in the middle."
-    return [Finding("E26", what, "stones that touch, or the width of their joints", remedy, lengths=(low, high, usual))]
+    return [Finding("E26", what, "stones that touch, or the width of their joints", remedy, lengths=lengths)]
+
+
+def _alike(low: float, high: float) -> bool:
+    return high - low <= ALIKE * high

@@ -65,6 +65,7 @@ def test_a_case_that_only_moves_a_support(tmp_path: Path) -> None:
         ('support = "wall"\nabout_mm = [0, 0, 0]\nfurthest_mm = 2', "a length of a support that turns"),
         ('support = "wall"\nstep_mm = 0', "movements.0.step_mm"),
         ('support = "wall"\nfurthest_mm = 1e-9', "movements.0.furthest_mm: wrong value; found 1e-09"),
+        ('support = "wall"\nabout_mm = [0, 0, 0]\nfurthest_deg = 400', "movements.0.furthest_deg: wrong value; found 400"),
         ('support = "wall"\nabout_mm = [0, 0, 0]\nfurthest_deg = 5e-5', "movements.0.furthest_deg: wrong value; found 5e-05"),
         ('suport = "wall"', 'Did you mean "support"?'),
         ('support = "wall"\nfurthest_m = 0.02', 'Did you mean "furthest_mm"?'),
