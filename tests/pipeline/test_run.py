@@ -8,7 +8,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -18,6 +17,7 @@ from typing import Any
 import pytest
 
 from churchpipe import engine
+from processes import group_lives, wait_for
 
 ROOT = Path(__file__).parents[2]
 CASE = """
@@ -482,13 +482,6 @@ def test_a_wall_that_a_drawing_has_not_is_named_with_its_line(pristine: Copy, tm
     assert f"{case}: line {line}, line_loads.0: line load roof: no such wall; found nave" in err
 
 
-def wait_for(condition: Callable[[], bool], seconds: float = 300.0) -> None:
-    stop = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < stop
-        time.sleep(0.02)
-
-
 def test_a_kill_in_the_middle_loses_nothing_finished(pristine: Copy, tmp_path: Path) -> None:
     out = tmp_path / "run"
     command = ("churchpipe", "run", pristine.case, "--out", out, "--jobs", 1)
@@ -535,15 +528,6 @@ def test_a_kill_in_the_middle_loses_nothing_finished(pristine: Copy, tmp_path: P
     assert first == pytest.approx(second, rel=1e-6)
 
 
-def alive(group: int) -> bool:
-    """Whether a process of a group is left."""
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
 def test_an_interrupt_stops_everything(pristine: Copy, tmp_path: Path) -> None:
     out = tmp_path / "run"
     # A shell's background jobs ignore the interrupt, and their children inherit that.
@@ -558,4 +542,4 @@ def test_an_interrupt_stops_everything(pristine: Copy, tmp_path: Path) -> None:
     assert "Traceback" not in err
     engine = int((out / ".snakemake" / "engine.lock").read_text())
     # A stage that compiles its loops for the first time takes a moment to die.
-    wait_for(lambda: not alive(engine), 30.0)
+    wait_for(lambda: not group_lives(engine), 30.0)

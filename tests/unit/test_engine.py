@@ -1,16 +1,15 @@
 """The engine that waits for its orders, and the news of the stages in its output."""
 
 import json
-import os
 import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
 from churchpipe import engine
+from processes import group_lives, wait_for
 
 NEWS = engine.Event("done", "blocks", "blocks", 'a "text"\nof two lines', 1.5)
 
@@ -46,18 +45,7 @@ def test_an_engine_without_orders_ends_with_what_it_was_started_for() -> None:
         # It leads a group of its own, with all that it started.
         assert group_lives(ready.process.pid)
     assert ready.process.poll() is not None
-    stop = time.monotonic() + 30
-    while group_lives(ready.process.pid):
-        assert time.monotonic() < stop
-        time.sleep(0.02)
-
-
-def group_lives(number: int) -> bool:
-    try:
-        os.killpg(number, 0)
-    except ProcessLookupError:
-        return False
-    return True
+    wait_for(lambda: not group_lives(ready.process.pid), 30.0)
 
 
 def test_an_engine_whose_run_has_died_does_nothing() -> None:
