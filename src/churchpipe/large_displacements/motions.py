@@ -59,11 +59,17 @@ class Motions:
         return self._ahead(answer.y, rests) if answer.outcome == "solved" else np.zeros(self.stones.count, dtype=bool)
 
     def _ahead(self, y: FloatArray, rests: bool) -> BoolArray:
-        """Return the few light stones (nb,) that leave all others behind; by less very few, in a motion that does not fit."""
+        """Return the few light stones (nb,) that leave all others behind; by less very few, in a motion that does not fit.
+
+        Where all others are faster than before as well, the structure jumps: then the fastest ones may come to rest again. In a
+        large model, whose stones waver, that does not tell.
+        """
         speed, before, weight = stone_speed(self.stones, self.velocities(y)), self.state.fastest, self.model.stones.weight
         ahead = stones_ahead(speed, before, weight, self.spared, PATH.faster)
-        few = PATH.few * self.spared
-        return ahead | stones_ahead(speed, before, weight, few, self.model.demands.faster) if rests else ahead
+        if rests:
+            ahead |= stones_ahead(speed, before, weight, PATH.few * self.spared, self.model.demands.faster)
+        jumps = not self.model.large and float(speed[~ahead].max(initial=0.0)) > PATH.jump * before
+        return ahead & (not jumps)
 
     @property
     def spared(self) -> float:

@@ -75,11 +75,13 @@ class PathSettings:
         still: slower ones stand still. rim: a stone at the rim of the halo that is faster moves. worth: a halo that leaves no
         more than this share of the stones out is not worth having. kept: a halo keeps the first load factor within this share.
         large: with more points of contact the certified analysis takes many minutes. falling, ahead: those that take part in a
-        fall, or in a motion that has gone local. faster: a motion so many times faster than that of the last step is one of a
-        few stones. expendable: stones that weigh no more than this share of what moved at the start may fall out without ending
-        the curve; few: a share of what may fall out, see `Demands.faster`. strongest: what normal forces of so many weights in
-        all cannot hold falls. withstood: in a large model a light stone falls that cannot stand this share of the last load
-        factor, even if all others stood fast. left_behind: stones slower than this share of a support stand still while it moves.
+        fall, or in a motion that has gone local. jump: stones run ahead while the others are no more than so many times faster
+        than in the last motion, unless the model is large. faster: a motion so many times faster than that of the last step is
+        one of a few stones. expendable: stones that weigh no more than this share of what moved at the start may fall out
+        without ending the curve; few: a share of what may fall out, see `Demands.faster`. strongest: what normal forces of so
+        many weights in all cannot hold falls. withstood: in a large model a light stone falls that cannot stand this share of
+        the last load factor, even if all others stood fast. left_behind: stones slower than this share of a support stand still
+        while it moves.
 
     Contacts found anew:
         depth, deeper: shares of the reach: how deep new neighbours may have sunk into each other, and stones that bore on each
@@ -129,6 +131,7 @@ class PathSettings:
     large: int = 20_000
     falling: float = 0.02
     ahead: float = 0.1
+    jump: float = 2.0
     faster: float = 20.0
     expendable: float = 0.05
     few: float = 0.1
@@ -147,7 +150,7 @@ class PathSettings:
     nothing: float = 1e-7
 
     def __post_init__(self) -> None:
-        no_shares = ("lengths", "first_programs", "programs", "pairs", "rounds", "whole_way", "large", "strongest")
+        no_shares = ("jump", "lengths", "first_programs", "programs", "pairs", "rounds", "whole_way", "large", "strongest")
         for field in fields(self):
             value = getattr(self, field.name)
             if not value > 0:

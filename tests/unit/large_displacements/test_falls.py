@@ -140,6 +140,19 @@ def test_very_few_stones_are_known_to_fall_by_less_where_a_motion_does_not_fit()
         assert motions.falling(StepAnswer("solved", np.zeros((0, 3)), 1.0, y), rests=rests).tolist() == [False, False, away]
 
 
+@pytest.mark.parametrize(("others", "large", "away"), [(1.0, False, True), (3.0, False, False), (3.0, True, True)])
+def test_stones_fall_while_all_others_go_on_as_they_did(others: float, large: bool, away: bool) -> None:
+    """Where the block is three times faster as well, the structure jumps. In a large model that says nothing of a stone."""
+    model, state = pebble()
+    model = replace(model, held=np.array([large, False, False]))
+    assert model.large is large
+    y = np.zeros(12)
+    y[0], y[6] = others * state.fastest, 100.0 * state.fastest
+    motions = Motions(model, state, model.stones, np.array([1, 2]))
+    assert motions.falls(y, 0.0, False) is away
+    assert motions.falling(StepAnswer("solved", np.zeros((0, 3)), 1.0, y)).tolist() == [False, False, away]
+
+
 @pytest.mark.parametrize(("gap", "away"), [(4e-3, False), (6e-3, True)])
 def test_a_stone_does_not_hang_on_a_joint_that_has_opened(gap: float, away: bool) -> None:
     """A joint holds nothing from a quarter of a step of 20 mm on, though it would close within the step."""
