@@ -29,7 +29,7 @@ from churchpipe.model.card import Shown
 from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.pictures import picture
-from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals, solid_properties
+from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_warps, solid_properties
 from churchpipe.model.surfaces import DOUBLED, SurfaceFault, coincident, surface_fault, weld
 
 Polyhedron = tuple[npt.ArrayLike, Sequence[Sequence[int]]]
@@ -379,20 +379,14 @@ def _refusal(name: str, fault: SurfaceFault, points: FloatArray) -> InputError:
 
 
 def _check_planar(stones: Assemblage) -> None:
-    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
-    face_of = np.repeat(np.arange(len(mean)), np.diff(stones.face_ptr))
-    reach = stones.points[stones.face_nodes] - mean[face_of]
-    height = np.abs(np.einsum("ij,ij->i", reach, normal[face_of]))
-    extent = np.zeros(len(mean))
-    np.maximum.at(extent, face_of, np.linalg.norm(reach, axis=1))
-    warped = height > FLATNESS * extent[face_of] + LEAST_WARP
-    if warped.any():
-        face = int(face_of[np.argmax(height / np.maximum(extent[face_of], 1e-300))])
+    height, extent = face_warps(stones.points, stones.face_nodes, stones.face_ptr)
+    if (height > FLATNESS * extent + LEAST_WARP).any():
+        face = int(np.argmax(height / np.maximum(extent, 1e-300)))
         stone = int(np.searchsorted(stones.block_face_ptr, face, side="right")) - 1
         raise InputError(
             f"stone {stones.block_id[stone]}",
             f"face {face - stones.block_face_ptr[stone]} is not planar",
-            found=f"{height[face_of == face].max():.3g} m out of plane",
+            found=f"{height[face]:.3g} m out of plane",
             expected="within 1e-6 of the face's size and 1e-6 m",
             remedy="Split the face into triangles; " + REPAIR,
         )

@@ -30,6 +30,17 @@ def face_normals(points: FloatArray, face_nodes: IntArray, face_ptr: IntArray) -
     return area_vector, area_vector / np.where(area > 0, area, 1.0), mean
 
 
+def face_warps(points: FloatArray, face_nodes: IntArray, face_ptr: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return how far corners of each face lie off its plane at most (nf,), m, and how far from their mean at most (nf,), m."""
+    _, normal, mean = face_normals(points, face_nodes, face_ptr)
+    face_of = np.repeat(np.arange(len(mean)), np.diff(face_ptr))
+    reach = points[face_nodes] - mean[face_of]
+    height, extent = np.zeros(len(mean)), np.zeros(len(mean))
+    np.maximum.at(height, face_of, np.abs(np.einsum("ij,ij->i", reach, normal[face_of])))
+    np.maximum.at(extent, face_of, np.linalg.norm(reach, axis=1))
+    return height, extent
+
+
 def solid_properties(
     points: FloatArray, face_nodes: IntArray, face_ptr: IntArray, block_face_ptr: IntArray
 ) -> tuple[FloatArray, FloatArray]:

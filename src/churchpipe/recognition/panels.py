@@ -39,6 +39,7 @@ from churchpipe.recognition.rings import voussoir_rings
 from churchpipe.recognition.separate_walls import GRID, closed, filled, separate_walls
 from churchpipe.recognition.squaring import squared
 from churchpipe.recognition.stone_walls import StoneWall, stone_walls
+from churchpipe.recognition.straightening import straightened
 from churchpipe.recognition.supports import support_of
 from churchpipe.recognition.vaults import VAULT, fit_vaults
 from churchpipe.recognition.wall_parts import junction_spans, wall_parts
@@ -57,8 +58,9 @@ class FittedPanels:
 
     stones: those that they were fitted to, with which the match gate compares the shell: half of the mortar of its joints is part
     of each stone, and its panel is the one fitted, or the part of it. If none of the stones of a name could be fitted they keep
-    that name, so that the gate reports what is missing. Other stones without a panel have "". moved: how far walls, by their
-    names, were turned or lengthened to meet at right angles, m (see `squared`).
+    that name, so that the gate reports what is missing. Other stones without a panel have "". moved: by the names of the walls,
+    how far their stones were moved at most to lie in line (see `straightened`), and they themselves to meet at right angles (see
+    `squared`), m; for the panels alone, not in `stones`.
     """
 
     panels: tuple[Panel, ...]
@@ -115,7 +117,10 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
         named = np.where(stones.fixed | (stones.panel != ""), stones.panel, VAULT)
         return FittedPanels((), supports, np.empty(0, dtype=np.str_), replace(stones, panel=named), vaults)
     planes, unfit = stone_walls(stones, contact_gap)
-    walls, loose = separate_walls(stones, planes, contact_gap)
+    straight, shift = straightened(stones, planes)
+    if shift.any():
+        planes, unfit = stone_walls(straight, contact_gap)
+    walls, loose = separate_walls(straight, planes, contact_gap)
     unfit = np.union1d(unfit, loose)
     if not walls:
         raise InputError(
@@ -124,7 +129,9 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
             expected="stones with two upright parallel faces",
             remedy="Tag the stones of each wall with PANEL, or run the rigid blocks alone.",
         )
-    panels, moved = squared([_panel(stones, wall, walls, contact_gap) for wall in walls])
+    panels, squaring = squared([_panel(straight, wall, walls, contact_gap) for wall in walls])
+    moved = {wall.name: float(shift[wall.stones].max()) + squaring.get(wall.name, 0.0) for wall in walls}
+    moved = {name: by for name, by in moved.items() if by > 0}
     known = [name for wall in walls for name in np.unique(wall.tag)]
     panel = np.where(stones.fixed | np.isin(stones.panel, known), "", stones.panel).astype(np.object_)
     for wall in walls:

@@ -1,0 +1,203 @@
+"""Walls that meet, turned in plan and with rounded coordinates, have the shell of the same walls along x and y."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import churchpipe as cp
+from churchpipe.config.shell_table import shell_table
+from churchpipe.dxf.reader import read_drawing
+from churchpipe.dxf.writer import write_dxf
+from churchpipe.generators import box, house, prototype, wall
+from churchpipe.match import Match, match_models
+from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import Building
+from churchpipe.model.shell import ShellModel
+from churchpipe.recognition.panels import fit_panels
+from churchpipe.recognition.stone_walls import stone_walls
+from churchpipe.recognition.straightening import straightened
+from churchpipe.stones.blocks import derive_blocks
+from solids import moved, on_ground
+
+TUFF = cp.Material("default", 18e3, 0.6)
+BRICK = (0.5, 0.25, 0.25)
+# No length of a wall is a multiple of it, so that rounding does not decide how many elements there are.
+SIZE = 0.45
+# What coordinates in metres rounded to the fifth and the fourth digit may move a corner by.
+ROUNDED = {5: 1.5e-5, 4: 1.5e-4}
+
+
+def opening(start: float, width: float, sill: int, height: int) -> dict[str, float]:
+    return {"start": start, "width": width, "sill_courses": sill, "height_courses": height, "lintel_bearing": 0.25}
+
+
+def crossed(width: float, joints: str = "bay", thickness: float = 0.2) -> Building:
+    """Four walls and a cross wall with doors and windows."""
+    walls: list[dict[str, Any]] = [
+        {"name": "south", "start": (0, 0), "end": (6, 0), "toward": "+y"},
+        {"name": "north", "start": (0, width), "end": (6, width), "toward": "-y"},
+        {"name": "west", "start": (0, 0), "end": (0, width), "toward": "+x"},
+        {"name": "east", "start": (6, 0), "end": (6, width), "toward": "-x"},
+        {"name": "inner", "start": (3.4, 0), "end": (3.4, width)},
+    ]
+    openings = [
+        {"name": "w", "wall": ["south", "north"], "centre": [1.6, 4.8], "width": 0.8, "height": 1.0, "sill": 0.8},
+        {"name": "d", "wall": ["inner", "west"], "centre": 2.0, "width": 0.8, "height": 1.8},
+    ]
+    laid: dict[str, Any] = {"course": 0.2, "stone_length": 0.4, "height": 2.4, "thickness": thickness, "joints": joints}
+    return house(**laid, walls=walls, openings=openings, materials=(TUFF,))
+
+
+PLANS: dict[str, Callable[[], Building]] = {
+    "L": lambda: prototype(
+        brick=BRICK, partitions_x=[0.0], partition_length=3.0, courses=10, main_wall_length=4.0, materials=(TUFF,)
+    ),
+    "T": lambda: prototype(
+        brick=BRICK,
+        partitions_x=[2.0],
+        partition_length=3.0,
+        courses=10,
+        main_wall_length=4.0,
+        opening=opening(1.25, 0.75, 0, 7),
+        materials=(TUFF,),
+    ),
+    "box": lambda: box(
+        length=4.0,
+        width=3.0,
+        courses=10,
+        brick=BRICK,
+        openings_x=[opening(1.0, 0.75, 3, 4), opening(2.5, 0.5, 0, 7)],
+        openings_y=[opening(1.25, 0.5, 3, 4)],
+        materials=(TUFF,),
+    ),
+    "box with a cross wall": lambda: crossed(4.0),
+}
+
+
+@cache
+def laid(plan: str) -> Assemblage:
+    return derive_blocks(PLANS[plan]())
+
+
+def turned(stones: Assemblage, degrees: float, digits: int | None, at: Sequence[float] = (43.21, -17.6)) -> Assemblage:
+    """Stones turned in plan, away from the origin, as a file with so many digits has them."""
+    turn = np.radians(degrees)
+    rotation = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    found = moved(stones, rotation, np.array([*at, 0.0]))
+    if digits is not None:
+        bodies = [(np.round(points, digits), faces) for points, faces in map(found.solid, range(found.count))]
+        # As files are read: a face that rounding has bent is split.
+        bodies, _ = cp.repair_polyhedra(bodies)
+        found = Assemblage.from_polyhedra(bodies, found.unit_weight, np.flatnonzero(found.fixed).tolist())
+    return replace(found, panel=stones.panel)
+
+
+def fitted_shell(stones: Assemblage) -> tuple[ShellModel, Match, dict[str, float]]:
+    fitted = fit_panels(stones)
+    assert not len(fitted.unfit)
+    shell = cp.derive_shell(fitted.building(), SIZE)
+    return shell, match_models(fitted.stones, cp.find_contacts(fitted.stones), shell), dict(fitted.moved)
+
+
+def limit_load(shell: ShellModel, degrees: float) -> float:
+    """Return the load factor of a push askew to the walls."""
+    turn = np.radians(degrees) + 0.9
+    return cp.shell_limit_analysis(shell, cp.LoadCase((np.cos(turn), np.sin(turn), 0.0)), [TUFF]).load_factor
+
+
+@cache
+def exact(plan: str) -> ShellModel:
+    return fitted_shell(laid(plan))[0]
+
+
+@pytest.mark.parametrize("digits", [5, 4])
+@pytest.mark.parametrize("degrees", [17.0, 33.0])
+@pytest.mark.parametrize("plan", PLANS)
+def test_turned_rounded_walls_have_the_shell_of_those_along_the_axes(plan, degrees, digits) -> None:
+    expected = exact(plan)
+    shell, match, by = fitted_shell(turned(laid(plan), degrees, digits))
+    assert match.passed, [figure for figure in match.figures if not figure.passed]
+    assert shell.weight.sum() == pytest.approx(expected.weight.sum(), rel=1e-4)
+    assert shell.area.sum() == pytest.approx(expected.area.sum(), rel=1e-4)
+    assert set(by) == set(laid(plan).panel[~laid(plan).fixed])
+    assert 0.1 * ROUNDED[digits] < max(by.values()) < ROUNDED[digits]
+
+
+TURNED = pytest.mark.slow("docs/limits.md: walls that meet, turned in plan")
+
+
+@pytest.mark.parametrize(
+    ("plan", "degrees", "digits"),
+    [
+        ("T", 17.0, 4),
+        pytest.param("L", 17.0, 5, marks=TURNED),
+        pytest.param("box", 33.0, 4, marks=TURNED),
+        pytest.param("box with a cross wall", 33.0, 4, marks=TURNED),
+    ],
+)
+def test_their_limit_load_is_that_of_those_along_the_axes(plan, degrees, digits) -> None:
+    shell, _, _ = fitted_shell(turned(laid(plan), degrees, digits))
+    assert limit_load(shell, degrees) == pytest.approx(limit_load(exact(plan), 0.0), rel=0.01)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 33.0])
+def test_exact_coordinates_stay(degrees) -> None:
+    stones = turned(laid("box"), degrees, None)
+    walls, _ = stone_walls(stones, 1e-3)
+    same, by = straightened(stones, walls)
+    assert same is stones
+    assert not by.any()
+    assert fitted_shell(stones)[2] == {}
+
+
+def test_a_drawing_in_millimetres_with_one_decimal_says_what_was_moved(tmp_path: Path) -> None:
+    write_dxf(turned(laid("box"), 17.0, 4, at=(0.0, 0.0)), tmp_path / "box.dxf", units="mm")
+    stones = read_drawing(tmp_path / "box.dxf").stones
+    table = shell_table(stones, {"default": False})
+    assert table.fitted
+    most = max(table.fitted.moved.values())
+    assert f"stones were moved into line and walls to meet squarely, by {1e3 * most:.2g} mm at most" in table.note
+    # The stones of the match gate are those of the drawing.
+    np.testing.assert_array_equal(table.fitted.stones.points, stones.points)
+
+
+def test_walls_askew_to_one_another_are_straightened_each_along_itself() -> None:
+    one = derive_blocks(wall(length=3.0, brick=BRICK, courses=6, materials=(TUFF,)))
+    both = [turned(one, degrees, 4, at) for degrees, at in ((17.0, (0.0, 0.0)), (50.0, (6.0, 0.0)))]
+    solids = [stones.solid(k) for stones in both for k in np.flatnonzero(~stones.fixed)]
+    stones = on_ground(*solids)
+    walls, _ = stone_walls(stones, 1e-3)
+    straight, by = straightened(stones, walls)
+    assert 0 < by.max() < ROUNDED[4]
+    for found in stone_walls(straight, 1e-3)[0]:
+        count = len(np.unique(np.round(np.concatenate([np.asarray(p.exterior.coords)[:, 0] for p in found.elevations]), 7)))
+        # Places of the head joints of both courses and the two ends.
+        assert count == 13
+
+
+def test_a_stone_that_would_lose_a_face_stays() -> None:
+    """A stone with a step of an eighth of a millimetre, which on the line of the others would be none."""
+    one = derive_blocks(wall(length=3.0, brick=BRICK, courses=6, materials=(TUFF,)))
+    step = 1.2e-4
+    outline = [(3.0, 0.0), (3.5, 0.0), (3.5, 0.2), (3.5 + step, 0.2), (3.5 + step, 0.25), (3.0, 0.25)]
+    points = np.array([[x, y, z] for y in (0.0, 0.25) for x, z in outline])
+    faces = [[*range(6)], [*range(11, 5, -1)], *([i, i + 6, (i + 1) % 6 + 6, (i + 1) % 6] for i in range(6))]
+    solids = [one.solid(k) for k in np.flatnonzero(~one.fixed)]
+    stones = turned(on_ground(*solids, (points, faces)), 17.0, 4, at=(0.0, 0.0))
+    walls, _ = stone_walls(stones, 1e-3)
+    _, by = straightened(stones, walls)
+    assert by[-1] == 0
+    assert by[1:-1].max() > 0
+
+
+def test_grounds_are_not_moved() -> None:
+    stones = turned(laid("L"), 17.0, 4)
+    walls, _ = stone_walls(stones, 1e-3)
+    _, by = straightened(stones, walls)
+    assert stones.fixed.any()
+    assert not by[stones.fixed].any()
