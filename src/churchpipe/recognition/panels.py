@@ -117,7 +117,7 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
         named = np.where(stones.fixed | (stones.panel != ""), stones.panel, VAULT)
         return FittedPanels((), supports, np.empty(0, dtype=np.str_), replace(stones, panel=named), vaults)
     planes, unfit = stone_walls(stones, contact_gap)
-    straight, shift = straightened(stones, planes)
+    straight, shift = straightened(stones, planes, unfit)
     if shift.any():
         planes, unfit = stone_walls(straight, contact_gap)
     walls, loose = separate_walls(straight, planes, contact_gap)

@@ -25,7 +25,7 @@ _SPREAD = 4.0
 _LEFT = 0.5
 
 
-def straightened(stones: Assemblage, walls: Sequence[StoneWall]) -> tuple[Assemblage, FloatArray]:
+def straightened(stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray) -> tuple[Assemblage, FloatArray]:
     """Return stones whose corners lie on straight lines in plan along and across their walls, and how far each was moved.
 
     How ragged the faces of the walls are tells how far apart corners on one line may be. Nothing is moved where these faces are
@@ -36,7 +36,10 @@ def straightened(stones: Assemblage, walls: Sequence[StoneWall]) -> tuple[Assemb
     stones
         As drawn.
     walls
-        The walls fitted to them; stones of curved walls, and those in no wall, stay where they are.
+        The walls fitted to them; stones of curved walls stay where they are.
+    unfit
+        Stones that fit none. Those that reach from face to face of a wall are moved like its own: voussoirs, and stones below the
+        slope of a gable, whose fronts rounding has bent.
 
     Returns
     -------
@@ -50,7 +53,8 @@ def straightened(stones: Assemblage, walls: Sequence[StoneWall]) -> tuple[Assemb
     points = stones.points.copy()
     middle = points.mean(axis=0)
     for axis, group in _frames(plane, _SPREAD * ragged):
-        own = _points(stones, np.concatenate([wall.stones for wall in group]))
+        blocks = [part for wall, chart in group for part in (wall.stones, unfit[_between_faces(stones, unfit, wall, chart)])]
+        own = _points(stones, np.unique(np.concatenate(blocks)))
         for line in (axis, np.array([-axis[1], axis[0], 0.0])):
             place = (stones.points[own] - middle) @ line
             points[own] += (_gathered(place, _SPREAD * ragged) - place)[:, None] * line
@@ -67,17 +71,31 @@ def _points(stones: Assemblage, blocks: IntArray) -> IntArray:
 
 def _raggedness(stones: Assemblage, wall: StoneWall, chart: PlaneChart) -> float:
     """Return how far corners of the stones of a wall lie off its two faces, m."""
-    apart = np.abs((stones.points[_points(stones, wall.stones)] - chart.origin) @ np.cross(chart.s_axis, chart.t_axis))
-    off = np.abs(apart - 0.5 * wall.thickness)
+    off = _off_faces(stones, wall.stones, wall, chart)
     return float(off[off < FLAT].max(initial=0.0))
 
 
-def _frames(walls: Sequence[tuple[StoneWall, PlaneChart]], near: float) -> list[tuple[FloatArray, list[StoneWall]]]:
+def _off_faces(stones: Assemblage, blocks: IntArray, wall: StoneWall, chart: PlaneChart) -> FloatArray:
+    """Return how far each corner (k,) of some stones is from the nearer face of a wall, m."""
+    apart = np.abs((stones.points[_points(stones, blocks)] - chart.origin) @ np.cross(chart.s_axis, chart.t_axis))
+    return np.abs(apart - 0.5 * wall.thickness)
+
+
+def _between_faces(stones: Assemblage, blocks: IntArray, wall: StoneWall, chart: PlaneChart) -> BoolArray:
+    """Return which of some stones (n,) have all of their corners on the two faces of a wall, as far as rounding goes."""
+    off = _off_faces(stones, blocks, wall, chart)
+    start = np.cumsum(np.diff(stones.block_point_ptr)[blocks]) - np.diff(stones.block_point_ptr)[blocks]
+    return np.maximum.reduceat(off, start) < FLAT if len(blocks) else np.zeros(0, dtype=np.bool_)
+
+
+def _frames(
+    walls: Sequence[tuple[StoneWall, PlaneChart]], near: float
+) -> list[tuple[FloatArray, list[tuple[StoneWall, PlaneChart]]]]:
     """Return the directions (3,) of walls, each with those that go along or across it, to `near` m at their ends."""
     angle = np.array([np.arctan2(chart.s_axis[1], chart.s_axis[0]) for _, chart in walls])
     length = np.array([np.ptp(total_extent(wall.elevations)[[0, 2]]) for wall, _ in walls])
     left = np.argsort(-length).tolist()
-    found: list[tuple[FloatArray, list[StoneWall]]] = []
+    found: list[tuple[FloatArray, list[tuple[StoneWall, PlaneChart]]]] = []
     while left:
         # Angles between walls are those to the nearest right angle.
         turn = angle[left] - angle[left[0]]
@@ -86,7 +104,7 @@ def _frames(walls: Sequence[tuple[StoneWall, PlaneChart]], near: float) -> list[
         own = np.array(left)[along]
         # A direction is known as well as the wall is long and has stones.
         mean = angle[left[0]] + np.average(turn[along], weights=length[own] ** 3)
-        found.append((np.array([np.cos(mean), np.sin(mean), 0.0]), [walls[number][0] for number in own]))
+        found.append((np.array([np.cos(mean), np.sin(mean), 0.0]), [walls[number] for number in own]))
         left = [number for number, chosen in zip(left, along, strict=True) if not chosen]
     return found
 
