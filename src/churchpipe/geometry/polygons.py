@@ -103,7 +103,7 @@ def _neighbours(owner: IntArray, count: int) -> tuple[IntArray, IntArray]:
 def _from_lowest_left(point: FloatArray, owner: IntArray, pointer: IntArray) -> FloatArray:
     """Rotate each ring so that it starts at its lowest, then leftmost corner."""
     order = np.lexsort((point[:, 0], point[:, 1], owner))
-    shift = (order[pointer[:-1]] - pointer[:-1])[owner]
+    shift = order[pointer[owner]] - pointer[owner]
     local = np.arange(len(owner)) - pointer[owner]
     size = np.diff(pointer)[owner]
     return point[pointer[owner] + (local + shift) % size]

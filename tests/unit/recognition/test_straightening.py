@@ -13,7 +13,7 @@ import churchpipe as cp
 from churchpipe.config.shell_table import shell_table
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.dxf.writer import write_dxf
-from churchpipe.generators import box, house, prototype, wall
+from churchpipe.generators import box, house, prototype, tower, wall
 from churchpipe.match import Match, match_models
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building
@@ -143,6 +143,26 @@ def test_turned_rounded_walls_have_the_shell_of_those_along_the_axes(plan, degre
     assert 0.1 * ROUNDED[digits] < max(by.values()) < ROUNDED[digits]
 
 
+@pytest.mark.parametrize(("degrees", "digits"), [(61.0, 5), (128.7, 4)])
+def test_walls_of_several_lengths_have_their_shell_at_other_angles(degrees, digits) -> None:
+    walls: list[dict[str, Any]] = [
+        {"name": "front", "start": (0, 0), "end": (7.3, 0), "toward": "+y"},
+        {"name": "back", "start": (2.1, 3.7), "end": (7.3, 3.7), "toward": "-y"},
+        {"name": "a", "start": (0, 0), "end": (0, 2.9), "toward": "+x"},
+        {"name": "b", "start": (2.1, 0), "end": (2.1, 3.7), "toward": "+x"},
+        {"name": "c", "start": (7.3, 0), "end": (7.3, 3.7), "toward": "-x"},
+    ]
+    openings = [
+        {"name": "w", "wall": ["front", "back"], "centre": 4.7, "width": 0.9, "height": 1.1, "sill": 0.88},
+        {"name": "d", "wall": "b", "centre": 2.0, "width": 0.9, "height": 1.98},
+    ]
+    laid: dict[str, Any] = {"course": 0.22, "stone_length": 0.45, "height": 2.64, "thickness": 0.3, "joints": "grid"}
+    stones = derive_blocks(house(**laid, walls=walls, openings=openings, materials=(TUFF,)))
+    shell, match, _ = fitted_shell(turned(stones, degrees, digits))
+    assert match.passed, [figure for figure in match.figures if not figure.passed]
+    assert shell.weight.sum() == pytest.approx(stones.weight.sum(), rel=1e-4)
+
+
 TURNED = pytest.mark.slow("docs/limits.md: walls that meet, turned in plan")
 
 
@@ -208,6 +228,17 @@ def test_a_stone_that_would_lose_a_face_stays() -> None:
     _, by = straightened(stones, walls, unfit)
     assert by[-1] == 0
     assert by[1:-1].max() > 0
+
+
+def test_a_round_wall_keeps_its_place_in_rounded_coordinates() -> None:
+    """The last stone lies on both sides of the seam of its chart, where it is two pieces."""
+    laid = derive_blocks(
+        tower(course=0.25, stone_length=0.5, width=4.0, height=3.0, thickness=0.5, plan="round", materials=(TUFF,))
+    )
+    shell, match, by = fitted_shell(turned(laid, 0.0, 5, at=(0.0, 0.0)))
+    assert match.passed
+    assert shell.weight.sum() == pytest.approx(laid.weight.sum(), rel=5e-3)
+    assert by == {}
 
 
 def test_grounds_are_not_moved() -> None:
