@@ -64,7 +64,8 @@ class Match:
     """The figures of the gate, and whether all of them pass; there are none without a shell, and `message` says why.
 
     junction_overlap: what mid-surface area x thickness exceeds the stones by, because mid-planes overlap where walls meet; the
-    facets there weigh that much less. unfit: stones of a drawing that no panel fits.
+    facets there weigh that much less. unfit: stones of a drawing that no panel fits. moved: how far its stones were moved for the
+    shell alone, as a sentence, "" where none was.
     """
 
     passed: bool = field(init=False)
@@ -72,6 +73,7 @@ class Match:
     junction_overlap: float | None = None
     message: str = ""
     unfit: tuple[str, ...] = ()
+    moved: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "passed", bool(self.figures) and all(figure.passed for figure in self.figures))

@@ -73,14 +73,15 @@ class RunFolder:
         return read_if_made(self.folder(entry) / "pushover.npz", CapacityCurve)
 
     def meshes(self) -> dict[str, Mesh]:
-        """Return the size and the gate of each mesh; of a drawing, also the stones that no panel fits."""
+        """Return the size and the gate of each mesh; of a drawing, also the stones that no panel fits, and how far
+        stones were moved for it."""
         return {mesh["name"]: self._mesh_size(mesh["name"], mesh["geometry"]) for mesh in self.index["shells"]}
 
     def _mesh_size(self, name: str, geometry: str) -> Mesh:
         gate = read_record(self.path / "shell" / name / "match.json", Match)
         if self.index["drawing"]:
             fit = read_json(self.path / "geometry" / geometry / "fit.json")
-            gate = replace(gate, unfit=tuple(fit["unfit"]), message=fit["message"] or gate.message)
+            gate = replace(gate, unfit=tuple(fit["unfit"]), message=fit["message"] or gate.message, moved=fit["moved"])
         size = read_json(self.path / "shell" / name / "settings.json")["element_size"]
         mesh = self.shell(name)
         return compare.mesh_size(None if isinstance(mesh, Absent) else mesh, gate, geometry, size)

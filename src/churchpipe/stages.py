@@ -104,7 +104,7 @@ def contacts(tolerances: Path, assemblage: Path, contacts: Path, progress: Progr
 def panels(settings: Path, assemblage: Path, building: Path, fitted: Path, fit: Path) -> None:
     """Stones of a drawing -> the panels fitted to them, and the stones, with their mortar, by these panels' names.
 
-    fit.json: the stones that fit none, and why there are no panels at all ("message"), if so.
+    fit.json: the stones that fit none, how far stones were moved ("moved"), and why there are no panels at all ("message").
     """
     from churchpipe.recognition.panels import fit_panels
 
@@ -117,11 +117,11 @@ def panels(settings: Path, assemblage: Path, building: Path, fitted: Path, fit: 
     except InputError as error:
         write_building(building, Building(table["name"], (), tuple(weights_of(table))))
         write_npz(fitted, stones)
-        write_json(fit, {"unfit": stones.block_id[~stones.fixed].tolist(), "message": str(error)})
+        write_json(fit, {"unfit": stones.block_id[~stones.fixed].tolist(), "message": str(error), "moved": ""})
         return
     write_building(building, found.building(name=table["name"]))
     write_npz(fitted, found.stones)
-    write_json(fit, {"unfit": found.unfit.tolist(), "message": ""})
+    write_json(fit, {"unfit": found.unfit.tolist(), "message": "", "moved": found.moved_words})
 
 
 def shell(settings: Path, building: Path, shell: Path) -> None:

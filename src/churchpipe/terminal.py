@@ -258,7 +258,8 @@ def _run_words(run: Path) -> list[str]:
 
 
 def gate_lines(summary: Summary) -> list[str]:
-    """Return what the comparison of the two models has to say: a gate that failed, stones missing from the shell, overlap."""
+    """Return what the comparison of the two models has to say: a gate that failed, stones missing from the shell or moved
+    for it."""
     lines: list[str] = []
     for name, gate in summary.gates.items():
         place = f" ({name})" if name else ""
@@ -268,6 +269,8 @@ def gate_lines(summary: Summary) -> list[str]:
         elif unfit := gate.unfit:
             more = f" and {len(unfit) - 8} more" if len(unfit) > 8 else ""
             lines.append(f"Stones that fit no wall and are missing from the shell{place}: {', '.join(unfit[:8])}{more}.")
+        if gate.moved:
+            lines.append(gate.moved)
     return list(dict.fromkeys(lines))
 
 

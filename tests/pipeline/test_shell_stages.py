@@ -18,7 +18,7 @@ from churchpipe import stages
 from churchpipe.compare import bad_news
 from churchpipe.configuring import configure
 from churchpipe.dxf.writer import write_dxf
-from churchpipe.generators import wall
+from churchpipe.generators import box, wall
 from churchpipe.io.atomic import read_json
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
 from churchpipe.io.records import Analysis
@@ -31,6 +31,8 @@ from churchpipe.model.quantities import as_read
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.stones.blocks import derive_blocks
+from churchpipe.terminal import remarks
+from solids import moved
 
 # A wall of 1.2 x 1.0 x .25 m pushed out of its plane: it turns over at .25 / 1.0.
 CASE = """
@@ -304,6 +306,24 @@ def test_stones_that_fit_no_wall_are_named(tmp_path: Path) -> None:
     assert summary["match"]["figures"][0]["difference"] == pytest.approx(0.00025 / 0.30025, rel=1e-6)
     assert summary["match"]["passed"]
     assert f"1 stone fits no wall and is missing from the shell: {stones.block_id[-1]}." in page(case)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 17.0])
+def test_a_run_tells_of_stones_moved_into_line(tmp_path: Path, degrees: float) -> None:
+    room = box(length=2.0, width=1.5, courses=6, brick=(0.5, 0.25, 0.25), materials=(Material("default", 18e3, 0.6),))
+    turn = np.radians(degrees)
+    rotation = np.array([[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    stones = moved(derive_blocks(room), rotation, np.zeros(3))
+    case = drawing(tmp_path, replace(stones, points=np.round(stones.points, 5)))
+    summary = make(case)
+    assert summary["match"]["passed"]
+    if degrees == 0.0:
+        assert "moved" not in summary["match"]
+        return
+    said = summary["match"]["moved"]
+    assert re.fullmatch(r"For the shell alone, stones were moved into line .* by 0\.0\d+ mm at most \([\w-]+\)\.", said)
+    assert said in page(case)
+    assert said in remarks(as_read(Summary, summary))
 
 
 def test_a_drawing_without_walls_is_analysed_as_stones(tmp_path: Path) -> None:

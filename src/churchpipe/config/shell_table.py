@@ -50,9 +50,7 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool], joint: float | 
     if unnamed := [] if fitted.vaults else [name for name in parts if name not in fitted.panel]:
         note += f" No stones are called {', '.join(unnamed)}: a load on the name in the drawing reaches all walls that have it."
     if fitted.moved:
-        most = max(fitted.moved, key=lambda name: fitted.moved[name])
-        by = 1e3 * fitted.moved[most]
-        note += f" For the shell alone, stones were moved into line and walls to meet squarely, by {by:.2g} mm at most ({most})."
+        note += f" {fitted.moved_words}"
     if len(fitted.unfit):
         few = ", ".join(fitted.unfit[:8])
         note += f" {counted(len(fitted.unfit), 'stone fits', 'stones fit')} none: {few}{' ...' if len(fitted.unfit) > 8 else ''}."

@@ -75,6 +75,15 @@ class FittedPanels:
         """The panel of each stone (nb,)."""
         return self.stones.panel
 
+    @property
+    def moved_words(self) -> str:
+        """What to say of the stones that were moved, "" where none was."""
+        if not self.moved:
+            return ""
+        most = max(self.moved, key=lambda name: self.moved[name])
+        by = 1e3 * self.moved[most]
+        return f"For the shell alone, stones were moved into line and walls to meet squarely, by {by:.2g} mm at most ({most})."
+
     def building(self, materials: tuple[UnitWeight, ...] = (), name: str = "drawing") -> Building:
         """Return the building of these panels and vaults; materials: as the stones weigh in the mean, unless given.
 

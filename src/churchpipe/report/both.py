@@ -50,7 +50,7 @@ def _words(row: Row) -> str:
 
 
 def gate(summary: Summary, meshes: Sequence[str]) -> dict[str, Any] | None:
-    """Return the gate of the first of a report's meshes as text, or None: passed, message, unfit stones, rows of figures."""
+    """Return the gate of the first of a report's meshes as text, or None: passed, message, stones unfit and moved, rows."""
     match = next((summary.shells[name].match for name in meshes if name in summary.shells), summary.match)
     if match is None:
         return None
@@ -62,7 +62,7 @@ def gate(summary: Summary, meshes: Sequence[str]) -> dict[str, Any] | None:
         for item in match.figures
     ]
     overlap = match.junction_overlap
-    words = {key: getattr(match, key) for key in ("passed", "message", "unfit")}
+    words = {key: getattr(match, key) for key in ("passed", "message", "unfit", "moved")}
     return words | {"rows": rows, "junction_overlap": "" if overlap is None else f"{100 * overlap:.1f} %"}
 
 

@@ -191,7 +191,7 @@ def test_sections_of_the_domain_agree_with_the_planes_where_these_are_exact() ->
     ],
 )
 def test_the_gate_says_what_mid_surfaces_come_to(overlap: str, told: str) -> None:
-    match = {"passed": True, "message": "", "unfit": (), "rows": [["weight", "1 N", "1 N", "0", "1 %", "agrees"]]}
+    match = {"passed": True, "message": "", "unfit": (), "moved": "", "rows": [["weight", "1 N", "1 N", "0", "1 %", "agrees"]]}
     assert told in " ".join(template("match.html").render(match={**match, "junction_overlap": overlap}).split())
 
 
