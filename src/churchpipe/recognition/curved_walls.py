@@ -11,16 +11,20 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indi
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import CylinderChart
 from churchpipe.model.polyhedra import face_normals
-from churchpipe.recognition.wall_planes import TURN
+from churchpipe.recognition.wall_planes import FLAT, TURN
 
-# Faces and corners that differ by less than this are on one plane or cylinder, m, and normals in one direction, rad.
+# Normals that differ by less than this are in one direction, rad.
 TOLERANCE = 1e-4
+# Corners less far off their circles than this, m, are on them but for the rounding of the computer.
+_ROUND = 1e-8
 # Axes found from single stones are taken as one if they differ by less than this, m. Short joints determine them only roughly.
 AXIS_TOLERANCE = 1e-3
 # Least number of stones of a wall.
 LEAST_STONES = 3
 # The stones of one panel name are a curved wall only if more than this share of their volume is on the cylinder.
 LEAST_SHARE = 0.5
+# So many steps of Newton bring a centre that is known to a millimetre to its place.
+_STEPS = 3
 # If the distance of two neighbouring joints is this many times the usual one, an opening is between them, not a stone.
 OPEN = 3.0
 
@@ -113,28 +117,48 @@ def _wedge_groups(stones: Assemblage, joints: _Joints) -> Iterator[IntArray]:
 def _cylinder(stones: Assemblage, joints: _Joints, wedges: IntArray, base: float) -> tuple[CylinderChart | None, float]:
     """Return the chart of the wall that wedge stones stand in, without one where their corners lie on more than two circles."""
     rows = np.isin(joints.stone, wedges)
-    centre = np.linalg.lstsq(joints.normal[rows], joints.offset[rows], rcond=None)[0]
-    corner = _corners(stones, wedges)[0][:, :2] - centre
-    radius = np.linalg.norm(corner, axis=1)
-    outside = radius > 0.5 * (radius.min() + radius.max())
-    near, far = float(np.median(radius[~outside])), float(np.median(radius[outside]))
-    if np.abs(radius - np.where(outside, far, near)).max() > TOLERANCE:
+    centre = np.linalg.lstsq(joints.normal[rows], joints.offset[rows], rcond=None)[0].astype(np.float64)
+    corner = _corners(stones, wedges)[0][:, :2]
+    near, far, off = _circles(corner, centre)
+    if _ROUND < off < AXIS_TOLERANCE:
+        centre = _centred(corner, centre)
+        near, far, off = _circles(corner, centre)
+    if off > FLAT:
         return None, 0.0
     # A stone that continues into a straight leg has one joint through the axis, too.
-    radial = joints.stone[np.abs(joints.normal @ centre - joints.offset) < TOLERANCE]
+    radial = joints.stone[np.abs(joints.normal @ centre - joints.offset) < FLAT]
     ringed = np.unique(radial[stones.panel[radial] == stones.panel[wedges[0]]])
     spoke = _corners(stones, ringed)[0][:, :2] - centre
     reach = np.linalg.norm(spoke, axis=1)
-    spoke = spoke[(np.abs(reach - near) < TOLERANCE) | (np.abs(reach - far) < TOLERANCE)]
+    spoke = spoke[(np.abs(reach - near) < FLAT) | (np.abs(reach - far) < FLAT)]
     if not len(spoke):
         return None, 0.0
     angle = np.sort(np.arctan2(spoke[:, 1], spoke[:, 0]))
     gap = np.diff(angle, append=angle[0] + 2 * np.pi)
-    steps = gap[gap > TOLERANCE]
+    steps = gap[gap > FLAT / near]
     widest = int(np.argmax(gap))
     start = float(angle[(widest + 1) % len(angle)])
     sweep = 2 * np.pi - float(gap[widest]) if gap[widest] > OPEN * np.median(steps) else 2 * np.pi
     return CylinderChart(np.array([*centre, base]), 0.5 * (near + far), start, sweep), round(far - near, 9)
+
+
+def _circles(corner: FloatArray, centre: FloatArray) -> tuple[float, float, float]:
+    """Return the radii of the two circles about a centre that corners (n, 2) lie on, and how far they lie off them at most, m."""
+    radius = np.linalg.norm(corner - centre, axis=1)
+    outside = radius > 0.5 * (radius.min() + radius.max())
+    near, far = float(np.median(radius[~outside])), float(np.median(radius[outside]))
+    return near, far, float(np.abs(radius - np.where(outside, far, near)).max())
+
+
+def _centred(corner: FloatArray, centre: FloatArray) -> FloatArray:
+    """Return the centre (2,) from which corners (n, 2) on two circles, off by their rounding, lie off these least in the mean."""
+    for _ in range(_STEPS):
+        spoke = corner - centre
+        radius = np.linalg.norm(spoke, axis=1)
+        outside = radius > 0.5 * (radius.min() + radius.max())
+        unknown = np.column_stack([spoke / radius[:, None], outside, ~outside])
+        centre = centre + np.linalg.lstsq(unknown, radius, rcond=None)[0][:2]
+    return centre
 
 
 def _corners(stones: Assemblage, blocks: IntArray) -> tuple[FloatArray, IntArray]:
@@ -147,5 +171,5 @@ def _lies_on(stones: Assemblage, blocks: IntArray, chart: CylinderChart, thickne
     """Return which stones have all their corners on the two faces of a wall."""
     points, owner = _corners(stones, blocks)
     distance = curved_coordinates(chart, points)[1]
-    off = np.abs(np.abs(distance) - 0.5 * thickness) > TOLERANCE
+    off = np.abs(np.abs(distance) - 0.5 * thickness) > FLAT
     return np.bincount(owner, off, minlength=len(blocks)) == 0

@@ -1,7 +1,8 @@
-"""Stones of plane walls with rounded coordinates put back onto the straight lines of their walls in plan.
+"""Stones of walls with rounded coordinates put back onto the straight lines and circles of their walls in plan.
 
 Of walls along x and y equal places are rounded alike. Of walls at an angle to the axes each corner is off by an amount of its
 own: their faces, ends and reveals are ragged, and where two walls meet the teeth of one overlap with the other, or end before it.
+So it is of round walls and their legs, however they stand.
 """
 
 from collections.abc import Sequence
@@ -12,8 +13,10 @@ import numpy as np
 from churchpipe.geometry.planar import total_extent
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.building import PlaneChart
+from churchpipe.model.building import CylinderChart, PlaneChart
 from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals, face_warps
+from churchpipe.recognition.arcs import fitted_arc, off_circles
+from churchpipe.recognition.gathering import gathered
 from churchpipe.recognition.stone_walls import StoneWall
 from churchpipe.recognition.wall_planes import FLAT
 
@@ -26,7 +29,8 @@ _LEFT = 0.5
 
 
 def straightened(stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray) -> tuple[Assemblage, FloatArray]:
-    """Return stones whose corners lie on straight lines in plan along and across their walls, and how far each was moved.
+    """Return stones whose corners lie on straight lines in plan along and across their walls, or on the circles and joints of
+    round ones, and how far each was moved.
 
     How ragged the faces of the walls are tells how far apart corners on one line may be. Nothing is moved where these faces are
     straight, nor in z, where equal heights are rounded alike.
@@ -36,7 +40,7 @@ def straightened(stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray
     stones
         As drawn.
     walls
-        The walls fitted to them; stones of curved walls stay where they are.
+        The walls fitted to them. Lines of plane walls near the axis or the faces of a round one that meets them go there.
     unfit
         Stones that fit none. Those that reach from face to face of a wall are moved like its own: voussoirs, and stones below the
         slope of a gable, whose fronts rounding has bent.
@@ -46,18 +50,28 @@ def straightened(stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray
     stones, moved
         moved (nb,): the furthest that a corner of the stone was moved, m.
     """
-    plane = [(wall, wall.chart) for wall in walls if isinstance(wall.chart, PlaneChart)]
-    ragged = max((_raggedness(stones, wall, chart) for wall, chart in plane), default=0.0)
+    curved = [(wall, wall.chart) for wall in walls if isinstance(wall.chart, CylinderChart)]
+    fitted = [(wall, *_fitted(stones, wall, wall.chart)) for wall in walls if isinstance(wall.chart, PlaneChart)]
+    plane = [(wall, chart) for wall, chart, _ in fitted]
+    uneven = [ragged for _, _, ragged in fitted] + [off_circles(stones, wall, chart) for wall, chart in curved]
+    ragged = max(uneven, default=0.0)
     if ragged < _STRAIGHT:
         return stones, np.zeros(stones.count)
+    spread = _SPREAD * ragged
     points = stones.points.copy()
     middle = points.mean(axis=0)
-    for axis, group in _frames(plane, _SPREAD * ragged):
+    frames = _frames(plane, spread)
+    arcs = [fitted_arc(stones, wall, chart, [axis for axis, _ in frames], spread) for wall, chart in curved]
+    for number, (axis, group) in enumerate(frames):
         blocks = [part for wall, chart in group for part in (wall.stones, unfit[_between_faces(stones, unfit, wall, chart)])]
         own = _points(stones, np.unique(np.concatenate(blocks)))
+        own = np.concatenate([own, *(arc.legs for arc in arcs if number in arc.frames)])
         for line in (axis, np.array([-axis[1], axis[0], 0.0])):
             place = (stones.points[own] - middle) @ line
-            points[own] += (_gathered(place, _SPREAD * ragged) - place)[:, None] * line
+            marks = [(arc.chart.centre - middle) @ line + arc.faces for arc in arcs if number in arc.frames]
+            points[own] += (gathered(place, spread, np.concatenate([[], *marks])) - place)[:, None] * line
+    for arc in arcs:
+        points[arc.bend, :2] = arc.places
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr))
     points = np.where(_spoilt(stones, points)[owner, None], stones.points, points)
     moved = np.maximum.reduceat(np.linalg.norm(points - stones.points, axis=1), stones.block_point_ptr[:-1])
@@ -69,10 +83,22 @@ def _points(stones: Assemblage, blocks: IntArray) -> IntArray:
     return ragged_indices(stones.block_point_ptr[blocks], np.diff(stones.block_point_ptr)[blocks])
 
 
-def _raggedness(stones: Assemblage, wall: StoneWall, chart: PlaneChart) -> float:
-    """Return how far corners of the stones of a wall lie off its two faces, m."""
-    off = _off_faces(stones, wall.stones, wall, chart)
-    return float(off[off < FLAT].max(initial=0.0))
+def _fitted(stones: Assemblage, wall: StoneWall, chart: PlaneChart) -> tuple[PlaneChart, float]:
+    """Return the chart of a wall midway between its two faces, fitted to all corners on them, and how far these lie off the faces
+    at most, m: stones that were not recognised as its own may have left it turned."""
+    place = stones.points[_points(stones, wall.stones)] - chart.origin
+    normal = np.cross(chart.s_axis, chart.t_axis)
+    apart = place @ normal
+    off = np.abs(apart) - 0.5 * wall.thickness
+    near = np.abs(off) < FLAT
+    if np.abs(off[near]).max(initial=0.0) < _STRAIGHT:
+        return chart, 0.0
+    side, s = np.sign(apart[near]), place[near] @ chart.s_axis
+    unknown = np.stack([np.ones(len(s)), s, side], axis=1)
+    (middle, slope, half), *_ = np.linalg.lstsq(unknown, apart[near], rcond=None)
+    along = chart.s_axis + slope * normal
+    fitted = replace(chart, origin=chart.origin + middle * normal, s_axis=along / np.linalg.norm(along))
+    return fitted, float(np.abs(apart[near] - unknown @ [middle, slope, half]).max())
 
 
 def _off_faces(stones: Assemblage, blocks: IntArray, wall: StoneWall, chart: PlaneChart) -> FloatArray:
@@ -107,24 +133,6 @@ def _frames(
         found.append((np.array([np.cos(mean), np.sin(mean), 0.0]), [walls[number] for number in own]))
         left = [number for number, chosen in zip(left, along, strict=True) if not chosen]
     return found
-
-
-def _gathered(values: FloatArray, spread: float) -> FloatArray:
-    """Return values (n,) with those of one line made equal: parted at the widest gaps until each part is within `spread`."""
-    order = np.argsort(values)
-    given = values[order]
-    cuts = np.flatnonzero(np.diff(given) > spread) + 1
-    parts = list(zip([0, *cuts.tolist()], [*cuts.tolist(), len(given)], strict=True))
-    out = np.empty(len(given))
-    while parts:
-        start, stop = parts.pop()
-        part = given[start:stop]
-        if part[-1] - part[0] > spread:
-            cut = start + 1 + int(np.argmax(np.diff(part)))
-            parts += [(start, cut), (cut, stop)]
-        else:
-            out[order[start:stop]] = part.mean()
-    return out
 
 
 def _spoilt(stones: Assemblage, points: FloatArray) -> BoolArray:
