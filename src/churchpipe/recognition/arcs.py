@@ -37,7 +37,7 @@ class Arc:
 
 def off_circles(stones: Assemblage, wall: StoneWall, chart: CylinderChart) -> float:
     """Return how far corners of a round wall lie off its faces at most, m."""
-    distance = curved_coordinates(chart, stones.points[_points(stones, wall.stones)])[1]
+    distance = curved_coordinates(chart, stones.points[points_of(stones, wall.stones)])[1]
     return float(np.abs(np.abs(distance) - 0.5 * wall.thickness).max())
 
 
@@ -50,7 +50,7 @@ def fitted_arc(stones: Assemblage, wall: StoneWall, chart: CylinderChart, axes: 
         Directions (3,) of plane walls: an end of the arc that is square to one within `spread` m is made exactly so.
     """
     chart, frames = _squared(chart, axes, spread)
-    own = _points(stones, wall.stones)
+    own = points_of(stones, wall.stones)
     flat, distance = curved_coordinates(chart, stones.points[own])
     s, end = flat[:, 0], chart.radius * chart.sweep
     inner = chart.radius - 0.5 * wall.thickness
@@ -59,8 +59,7 @@ def fitted_arc(stones: Assemblage, wall: StoneWall, chart: CylinderChart, axes: 
         marks = [0.0, end]
     else:
         marks, s = [], np.where(s > end - wide, s - end, s)
-    legs = [-wide > s if 0 in frames else np.zeros(len(s), dtype=np.bool_), s > end + wide if 1 in frames else s > np.inf]
-    on_legs = legs[0] | legs[1] if chart.sweep < 2 * np.pi else np.zeros(len(s), dtype=np.bool_)
+    on_legs = ((s < -wide) & (0 in frames)) | ((s > end + wide) & (1 in frames))
     bend = own[~on_legs]
     joint = np.stack([gathered(s[~on_legs], wide, marks), flat[~on_legs, 1]], axis=1)
     places = lift(chart, joint, np.copysign(0.5 * wall.thickness, distance[~on_legs]))[:, :2]
@@ -84,6 +83,6 @@ def _squared(chart: CylinderChart, axes: Sequence[FloatArray], near: float) -> t
     return replace(chart, start=ends[0], sweep=ends[1] - ends[0]), frames
 
 
-def _points(stones: Assemblage, blocks: IntArray) -> IntArray:
+def points_of(stones: Assemblage, blocks: IntArray) -> IntArray:
     """Return the numbers of the corners of some stones."""
     return ragged_indices(stones.block_point_ptr[blocks], np.diff(stones.block_point_ptr)[blocks])

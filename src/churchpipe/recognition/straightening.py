@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 
 from churchpipe.geometry.planar import total_extent
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import CylinderChart, PlaneChart
 from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals, face_warps
-from churchpipe.recognition.arcs import fitted_arc, off_circles
+from churchpipe.recognition.arcs import fitted_arc, off_circles, points_of
 from churchpipe.recognition.gathering import gathered
 from churchpipe.recognition.stone_walls import StoneWall
 from churchpipe.recognition.wall_planes import FLAT
@@ -64,7 +64,7 @@ def straightened(stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray
     arcs = [fitted_arc(stones, wall, chart, [axis for axis, _ in frames], spread) for wall, chart in curved]
     for number, (axis, group) in enumerate(frames):
         blocks = [part for wall, chart in group for part in (wall.stones, unfit[_between_faces(stones, unfit, wall, chart)])]
-        own = _points(stones, np.unique(np.concatenate(blocks)))
+        own = points_of(stones, np.unique(np.concatenate(blocks)))
         own = np.concatenate([own, *(arc.legs for arc in arcs if number in arc.frames)])
         for line in (axis, np.array([-axis[1], axis[0], 0.0])):
             place = (stones.points[own] - middle) @ line
@@ -78,15 +78,10 @@ def straightened(stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray
     return replace(stones, points=points), np.where(moved < _STRAIGHT, 0.0, moved)
 
 
-def _points(stones: Assemblage, blocks: IntArray) -> IntArray:
-    """Return the numbers of the corners of some stones."""
-    return ragged_indices(stones.block_point_ptr[blocks], np.diff(stones.block_point_ptr)[blocks])
-
-
 def _fitted(stones: Assemblage, wall: StoneWall, chart: PlaneChart) -> tuple[PlaneChart, float]:
     """Return the chart of a wall midway between its two faces, fitted to all corners on them, and how far these lie off the faces
     at most, m: stones that were not recognised as its own may have left it turned."""
-    place = stones.points[_points(stones, wall.stones)] - chart.origin
+    place = stones.points[points_of(stones, wall.stones)] - chart.origin
     normal = np.cross(chart.s_axis, chart.t_axis)
     apart = place @ normal
     off = np.abs(apart) - 0.5 * wall.thickness
@@ -103,7 +98,7 @@ def _fitted(stones: Assemblage, wall: StoneWall, chart: PlaneChart) -> tuple[Pla
 
 def _off_faces(stones: Assemblage, blocks: IntArray, wall: StoneWall, chart: PlaneChart) -> FloatArray:
     """Return how far each corner (k,) of some stones is from the nearer face of a wall, m."""
-    apart = np.abs((stones.points[_points(stones, blocks)] - chart.origin) @ np.cross(chart.s_axis, chart.t_axis))
+    apart = np.abs((stones.points[points_of(stones, blocks)] - chart.origin) @ np.cross(chart.s_axis, chart.t_axis))
     return np.abs(apart - 0.5 * wall.thickness)
 
 
