@@ -233,6 +233,11 @@ def simple_hulls(polygons: Polygons, tolerance: float) -> Polygons:
     return np.asarray(shapely.simplify(shapely.normalize(shapely.convex_hull(polygons)), tolerance), dtype=np.object_)
 
 
+def simplified(region: Region, tolerance: float) -> Region:
+    """Return a region without the corners that lie within a tolerance, m, of the line between others (Douglas and Peucker)."""
+    return shapely.simplify(region, tolerance)
+
+
 def outlined(corner: FloatArray, counts: IntArray, rings: IntArray) -> Polygons:
     """Return polygons (n,) from the corners (nc, 2) of their rings, the outer one first; each of the others is a hole.
 

@@ -24,6 +24,7 @@ from churchpipe.geometry.planar import (
     pieces,
     polygon,
     rings,
+    simplified,
     total_extent,
     united,
     within,
@@ -138,7 +139,7 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
             expected="stones with two upright parallel faces",
             remedy="Tag the stones of each wall with PANEL, or run the rigid blocks alone.",
         )
-    panels, squaring = squared([_panel(straight, wall, walls, contact_gap) for wall in walls])
+    panels, squaring = squared([_panel(straight, wall, walls, contact_gap, 2 * float(shift.max())) for wall in walls])
     moved = {wall.name: float(shift[wall.stones].max()) + squaring.get(wall.name, 0.0) for wall in walls}
     moved = {name: by for name, by in moved.items() if by > 0}
     known = [name for wall in walls for name in np.unique(wall.tag)]
@@ -161,11 +162,14 @@ def wall_names(stones: Assemblage, joint: float | None) -> NameArray:
         return stones.panel
 
 
-def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], contact_gap: float) -> Panel:
+def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], contact_gap: float, bent: float) -> Panel:
+    """Return the panel of a wall; bent: how far rounded coordinates may bend a slope of its outline, m, 0 where none are."""
     own = wall.elevations
     sections = filled(stones, wall, walls, contact_gap)
     region = max(closed(sections, contact_gap), key=lambda part: float(common_areas(own, part).sum()))
     whole, openings = _openings(region)
+    if bent:
+        whole = simplified(whole, bent)
     arches, voussoirs = voussoir_rings(own, contact_gap)
     laid = np.setdiff1d(np.arange(len(own)), voussoirs)
     cell = _cell(own[laid], stones.volume[wall.stones[laid]]) if len(laid) else arches[0].cell
