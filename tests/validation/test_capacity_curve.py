@@ -1,8 +1,7 @@
 """Capacity curves at large displacements against closed forms and independent rigid-body calculations written here.
 
 Rocking block (Housner 1963): alpha = (b/2 - d)/sqrt(R^2 - (b/2 - d)^2), R half the diagonal, d the displacement of the centroid,
-so that d0 = b/2. Two-block wall and arch: linkages, their load factor by virtual work in the displaced geometry. S22: no closed
-form; where it starts is the certified load factor without dilatancy of test_sliding.py.
+so that d0 = b/2. Two-block wall and arch: linkages, their load factor by virtual work in the displaced geometry.
 """
 
 import itertools
@@ -17,11 +16,8 @@ from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.loads import LoadCase
-from churchpipe.rigid_blocks.limit import limit_analysis
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
-from models import TILTING_LOADS as LOADS
-from models import tilting_test as model
 from solids import box, on_ground
 
 PUSH = LoadCase((1, 0, 0))
@@ -314,53 +310,3 @@ def _thrust_line(stones: Assemblage, curve: BlockCapacityCurve, step: int, close
         bounds=[*limit, (None, None)],
     )
     return float(found.x[-1]) if found.status == 0 else float("nan")
-
-
-@pytest.mark.slow("docs/capacity_curve.md: S22")
-def test_s22() -> None:
-    stones, contacts = model("S22")
-    curve = block_pushover(stones, contacts, LOADS["S22"], 0.7, step=0.004)
-    # In the last millimetre stones come off one by one. Either the load factor passes zero, or what is left holds no push at all.
-    assert curve.status in ("vanished", "collapsed")
-    assert curve.load_factor[-1] < 0.06 * curve.load_factor[0]
-    # The interval of the certified load factor without dilatancy as drawn.
-    assert 0.1882 <= curve.load_factor[0] <= 0.1889
-    # Of twenty-one runs that differ by rounding or by the step.
-    assert 0.0188 <= curve.d0 <= 0.0196
-    assert_certified(curve)
-    work, taken = energies(stones, curve)
-    assert work == pytest.approx(taken, rel=2e-2)
-
-
-@pytest.mark.slow("docs/capacity_curve.md: S22 in half the step")
-def test_s22_in_half_the_step() -> None:
-    stones, contacts = model("S22")
-    whole, half = (block_pushover(stones, contacts, LOADS["S22"], 0.7, step=step, furthest=0.072) for step in (0.004, 0.002))
-    assert whole.proved
-    assert half.proved
-    # Within one step the bricks at the top of a partition slide off what they lay on, and the load factor drops.
-    drop = [int(np.argmin(np.diff(curve.load_factor))) for curve in (whole, half)]
-    begins, ends = (
-        np.array([curve.displacement[k + more] for curve, k in zip((whole, half), drop, strict=True)]) for more in (0, 1)
-    )
-    # The place of the drop is known to a tenth of a step of some .9 mm, and both curves agree on it within a hundredth: where
-    # bricks come off hangs on rounding.
-    assert (ends - begins).max() < 1e-4
-    assert abs(begins[0] - begins[1]) < 0.01 * begins.min()
-    same = np.interp(half.displacement, whole.displacement, whole.load_factor)
-    apart = np.abs(half.load_factor - same) / whole.load_factor[0]
-    assert apart[half.displacement <= 0.014].max() <= 2e-3
-    assert apart[half.displacement <= begins.min()].max() <= 5e-3
-    # Which bricks carry the others is decided anew then: for half a millimetre the curves are further apart.
-    assert apart[half.displacement >= ends.max()].max() <= 6e-2
-    assert apart[half.displacement >= ends.max() + 5e-4].max() <= 2e-2
-
-
-@pytest.mark.slow("docs/capacity_curve.md: S5")
-def test_s5_is_certified_from_its_start() -> None:
-    stones, contacts = model("S5")
-    curve = block_pushover(stones, contacts, LOADS["S5"], 0.7, steps=8)
-    # Of the programs of the path alone the twelfth is at .395; the certified motion starts it inside its interval.
-    low, high = limit_analysis(stones, contacts, LOADS["S5"], 0.7, flow="non-associative").interval
-    assert low <= curve.load_factor[0] <= high
-    assert curve.proved

@@ -1,4 +1,4 @@
-"""The figures that README quotes for S22. Those of the church: test_church.py; without dilatancy: test_capacity_curve.py."""
+"""The figures that README quotes for S22. Those of the church: test_church.py; without dilatancy: test_sliding.py."""
 
 import pytest
 
