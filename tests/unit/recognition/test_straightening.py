@@ -223,7 +223,7 @@ def test_their_limit_load_is_that_of_those_along_the_axes(plan, degrees, digits)
 
 
 @TURNED
-@pytest.mark.parametrize("degrees", [17, 61])
+@pytest.mark.parametrize("degrees", [17, 33, 61])
 def test_the_church_has_its_shell_turned_and_rounded_to_a_tenth_of_a_millimetre(degrees: float) -> None:
     exact_stones = derive_blocks(read_case(pipeline_folder() / "cases" / "church.toml").building())
     fitted = fit_panels(turned(exact_stones, degrees, 4))
