@@ -63,7 +63,7 @@ FORMATS = "DXF, OBJ, STL, PLY, GLB, 3MF, 3DM, COMPAS JSON, LMGC90 BODIES.DAT, 3D
 # Steps of the coordinates, as parts of the median stone, above which a file is doubted, and refused.
 COARSE = (1e-3, 1e-2)
 GROUND = "a body that the file fixes, or one named ground, support or foundation"
-UNNAMED = "or, where a format has no names (STL, PLY), save it as a file of its own, ground.stl, and read the folder"
+UNNAMED = "save it as a file of its own, such as ground.stl, and read the folder (PLY and binary STL have no names)"
 
 
 def read_stones(
@@ -145,7 +145,7 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
             findings.append(Finding("E17", "no stones but ground" if stones else "no stones", "at least one closed body"))
         if stones and reading.joint is not None:
             stones, share = jointed(stones, reading.joint, reading.joint_mode, reading.mortar, 1.0, findings)
-        remedy = f"Name the ground so, {UNNAMED}, fix it in the program that made the file"
+        remedy = f"Name the ground so, fix it in the program that made the file, {UNNAMED}"
         stones = supported(stones, reading.support, findings, GROUND, remedy) if stones else stones
         stones = uniquely_named(stones, findings)
         findings += slivers(stones)

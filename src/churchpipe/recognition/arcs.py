@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from churchpipe.geometry.charts import lift
-from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import CylinderChart
-from churchpipe.recognition.curved_walls import curved_coordinates
+from churchpipe.recognition.curved_walls import curved_coordinates, points_of
 from churchpipe.recognition.gathering import gathered
 from churchpipe.recognition.stone_walls import StoneWall
 
@@ -81,8 +81,3 @@ def _squared(chart: CylinderChart, axes: Sequence[FloatArray], near: float) -> t
             if chart.radius * abs(turn) < near and end not in frames:
                 ends[end], frames[end] = angle - turn, number
     return replace(chart, start=ends[0], sweep=ends[1] - ends[0]), frames
-
-
-def points_of(stones: Assemblage, blocks: IntArray) -> IntArray:
-    """Return the numbers of the corners of some stones."""
-    return ragged_indices(stones.block_point_ptr[blocks], np.diff(stones.block_point_ptr)[blocks])

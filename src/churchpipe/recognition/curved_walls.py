@@ -161,10 +161,15 @@ def _centred(corner: FloatArray, centre: FloatArray) -> FloatArray:
     return centre
 
 
+def points_of(stones: Assemblage, blocks: IntArray) -> IntArray:
+    """Return the numbers of the corners of some stones."""
+    return ragged_indices(stones.block_point_ptr[blocks], np.diff(stones.block_point_ptr)[blocks])
+
+
 def _corners(stones: Assemblage, blocks: IntArray) -> tuple[FloatArray, IntArray]:
     """Return the corners (n, 3) m of some stones, and the place of each one's stone among them (n,)."""
     count = np.diff(stones.block_point_ptr)[blocks]
-    return stones.points[ragged_indices(stones.block_point_ptr[blocks], count)], np.repeat(np.arange(len(blocks)), count)
+    return stones.points[points_of(stones, blocks)], np.repeat(np.arange(len(blocks)), count)
 
 
 def _lies_on(stones: Assemblage, blocks: IntArray, chart: CylinderChart, thickness: float) -> BoolArray:

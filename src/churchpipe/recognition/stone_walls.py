@@ -9,10 +9,10 @@ import numpy as np
 from churchpipe.geometry.charts import lift, normals
 from churchpipe.geometry.clusters import components
 from churchpipe.geometry.planar import Polygons, area, common, total_extent, united, within
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray, ragged_indices
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Chart, PlaneChart
-from churchpipe.recognition.curved_walls import curved_walls
+from churchpipe.recognition.curved_walls import curved_walls, points_of
 from churchpipe.recognition.elevations import elevations
 from churchpipe.recognition.wall_planes import (
     FLAT,
@@ -154,6 +154,6 @@ def _plane_wall(stones: Assemblage, group: Sequence[WallPlane], base: float) -> 
 
 def _chart(stones: Assemblage, wall: WallPlane, base: float) -> PlaneChart:
     along = np.cross([0.0, 0.0, 1.0], wall.normal)
-    own = ragged_indices(stones.block_point_ptr[wall.stones], np.diff(stones.block_point_ptr)[wall.stones])
+    own = points_of(stones, wall.stones)
     start = float((stones.points[own] @ along).min())
     return PlaneChart(wall.offset * wall.normal + start * along + np.array([0.0, 0.0, base]), along)

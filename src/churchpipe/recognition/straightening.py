@@ -15,7 +15,8 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import CylinderChart, PlaneChart
 from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals, face_warps
-from churchpipe.recognition.arcs import fitted_arc, off_circles, points_of
+from churchpipe.recognition.arcs import fitted_arc, off_circles
+from churchpipe.recognition.curved_walls import points_of
 from churchpipe.recognition.gathering import gathered
 from churchpipe.recognition.stone_walls import StoneWall
 from churchpipe.recognition.wall_planes import FLAT

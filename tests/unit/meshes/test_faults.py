@@ -158,7 +158,7 @@ def test_several_solids_under_one_name_are_stones_of_their_own(tmp_path: Path) -
 
 def test_no_ground_is_an_error_that_names_the_way_out(tmp_path: Path) -> None:
     path = obj(tmp_path / "tower.obj", ("low", LOW, BOX_FACES), ("high", HIGH, BOX_FACES))
-    with pytest.raises(FindingsError, match=r"obj/E12 .* or pass --support base"):
+    with pytest.raises(FindingsError, match=r"obj/E12 .*such as ground.stl, and read the folder .* or pass --support base"):
         cp.read_stones(path)
     stones, findings = cp.read_stones(path, support="base")
     assert codes(findings) == {"W12"}
