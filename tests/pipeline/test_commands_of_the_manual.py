@@ -91,6 +91,8 @@ FILES: dict[str, dict[str, Maker]] = {
     "tutorial.md": {"nave.toml": nave},
 }
 WITH_COMMANDS = [page for page in PAGES if commands(page)]
+LONG_PAGES = {"run_folder.md", "strengthening.md", "tutorial.md"}
+LONG = pytest.mark.slow("docs/: commands of the pages that check or lay a building with each of them")
 
 
 def folder_of(page: Path, tmp_path: Path) -> None:
@@ -113,7 +115,9 @@ def typed(page: Path) -> list[str]:
     return [line.replace("FILE", "wall.obj") for line in commands(page) if "..." not in line]
 
 
-@pytest.mark.parametrize("page", WITH_COMMANDS, ids=lambda page: page.name)
+@pytest.mark.parametrize(
+    "page", [pytest.param(page, marks=LONG if page.name in LONG_PAGES else (), id=page.name) for page in WITH_COMMANDS]
+)
 def test_commands_of_a_page_can_be_typed(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder_of(page, tmp_path)
     monkeypatch.chdir(tmp_path)

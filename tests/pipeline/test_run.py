@@ -295,7 +295,7 @@ def test_a_sweep_makes_the_stones_once(pristine: Copy) -> None:
         pytest.param("src/churchpipe/report/html.py", {"report": 1, "all": 1}, marks=EDITED),
         ("src/churchpipe/report/templates/report.html", {"report": 1, "all": 1}),
         # What reads the case decides through the settings, and a comment changes none.
-        ("src/churchpipe/config/case.py", {}),
+        pytest.param("src/churchpipe/config/case.py", {}, marks=EDITED),
         pytest.param("src/churchpipe/cli/runs.py", {}, marks=EDITED),
     ],
 )
@@ -306,6 +306,7 @@ def test_an_edited_source_reruns_what_depends_on_it(
     assert pristine.stale(edited=True) == jobs
 
 
+@pytest.mark.slow
 def test_an_edited_reader_of_cases_reruns_what_it_decides(
     pristine: Copy, edited: Callable[[str, Callable[[str], str]], None]
 ) -> None:
@@ -335,12 +336,18 @@ def test_a_dry_run_says_what_would_be_done_and_does_nothing(pristine: Copy) -> N
     assert out.count("its settings have changed") == 2
     assert "compare   summary.json" in out
     assert out.endswith("4 stages would be run.\n")
-    code, out, _ = pristine.run("--dry-run", "--only", "contacts", "--set", "source.courses=4")
-    assert [line.split()[0] for line in out.splitlines()] == ["source", "blocks", "contacts", "3"]
     assert (contents(), sorted(pristine.root.iterdir())) == (before, beside)
+
+
+@pytest.mark.slow
+def test_a_dry_run_knows_where_a_run_would_end_and_when_there_is_nothing_to_do(pristine: Copy) -> None:
+    code, out, _ = pristine.run("--dry-run", "--only", "contacts", "--set", "source.courses=4")
+    assert code == 0
+    assert [line.split()[0] for line in out.splitlines()] == ["source", "blocks", "contacts", "3"]
     assert pristine.run("--dry-run")[1] == "Everything is up to date.\n"
 
 
+@pytest.mark.slow
 def test_a_run_ends_with_the_stage_that_is_asked_for(pristine: Copy, tmp_path: Path) -> None:
     out = tmp_path / "run"
     code, said, err = pristine.call("churchpipe", "run", pristine.case, "--out", out, "--only", "contacts")
@@ -356,6 +363,7 @@ def test_a_run_ends_with_the_stage_that_is_asked_for(pristine: Copy, tmp_path: P
     assert "expected source, blocks, contacts, rigid, compare, report" in err
 
 
+@pytest.mark.slow
 def test_what_was_deleted_is_made_again(pristine: Copy) -> None:
     contacts, log = pristine.out / "geometry" / "base" / "contacts.npz", pristine.out / "log" / "contacts" / "base.txt"
     contacts.unlink()
@@ -436,7 +444,13 @@ def test_bad_input_found_by_a_stage_is_1_and_says_so(pristine: Copy, tmp_path: P
     assert (run / "geometry" / "base" / "building.json").exists()
 
 
-@pytest.mark.parametrize(("change", "said"), [('load.0.panels=["apse"]', "apse"), ("source.courses=900000", "too many stones")])
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ('load.0.panels=["apse"]', "apse"),
+        pytest.param("source.courses=900000", "too many stones", marks=pytest.mark.slow),
+    ],
+)
 def test_bad_input_found_before_is_1_and_leaves_nothing(change: str, said: str, pristine: Copy, tmp_path: Path) -> None:
     code, out, err = pristine.call("churchpipe", "run", pristine.case, "--out", tmp_path / "run", "--set", change)
     assert code == 1
@@ -470,6 +484,7 @@ def test_a_drawing_may_have_braces_in_its_name(pristine: Copy, tmp_path: Path) -
     assert summary["analyses"][0]["load_factor"] == pytest.approx(0.6, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_wall_that_a_drawing_has_not_is_named_with_its_line(pristine: Copy, tmp_path: Path) -> None:
     # Nor do braces in the name of a drawing matter.
     shutil.copy(pristine.out / "geometry" / "base" / "stones.dxf", tmp_path / "a{b} c.dxf")
@@ -528,6 +543,7 @@ def test_a_kill_in_the_middle_loses_nothing_finished(pristine: Copy, tmp_path: P
     assert first == pytest.approx(second, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_an_interrupt_stops_everything(pristine: Copy, tmp_path: Path) -> None:
     out = tmp_path / "run"
     # A shell's background jobs ignore the interrupt, and their children inherit that.

@@ -184,6 +184,7 @@ def test_both_models_are_in_the_summary(case: Path) -> None:
     np.testing.assert_allclose(moved["plastic_curvature"], state.plastic[:, 3:])
 
 
+@pytest.mark.slow
 def test_both_models_answer_one_question_where_a_beam_is_of_a_material_of_its_own(case: Path) -> None:
     # The shell named the friction of its walls alone, was not set beside the stones, and its larger value was advised.
     beam = """
@@ -250,6 +251,7 @@ def test_the_capacity_curve_ends_on_the_limit_load(case: Path) -> None:
     assert f"shell, limit analysis, {limit['load_factor']:.4f}" in text
 
 
+@pytest.mark.slow
 def test_a_stack_bond_has_a_shell_that_resists_no_shear(case: Path) -> None:
     # Without compression along its beds: docs/shell.md says why, and that the rigid blocks are the ones to use.
     summary = make(case, 'shell.analyses=["limit"]', "source.pattern=stack")
@@ -308,6 +310,7 @@ def test_stones_that_fit_no_wall_are_named(tmp_path: Path) -> None:
     assert f"1 stone fits no wall and is missing from the shell: {stones.block_id[-1]}." in page(case)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [0.0, 17.0])
 def test_a_run_tells_of_stones_moved_into_line(tmp_path: Path, degrees: float) -> None:
     room = box(length=2.0, width=1.5, courses=6, brick=(0.5, 0.25, 0.25), materials=(Material("default", 18e3, 0.6),))

@@ -21,7 +21,7 @@ def called(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
     return int(left.value.code or 0)
 
 
-@pytest.mark.parametrize("count", range(1, STEPS + 1))
+@pytest.mark.parametrize("count", [1, pytest.param(2, marks=pytest.mark.slow), STEPS])
 def test_the_case_is_sound_after_each_step(count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("nave.toml").write_text(case_of_the_tutorial(count), encoding="utf-8")

@@ -205,10 +205,9 @@ MASSES = pytest.mark.slow("docs/displacement_check.md: masses on a block")
     ("mass", "profile"),
     [
         (0.0, "uniform"),
-        (40e3, "linear"),
         *(
             pytest.param(*case, marks=MASSES)
-            for case in ((0.0, "linear"), (10e3, "uniform"), (10e3, "linear"), (40e3, "uniform"))
+            for case in ((0.0, "linear"), (10e3, "uniform"), (10e3, "linear"), (40e3, "uniform"), (40e3, "linear"))
         ),
     ],
 )
@@ -350,6 +349,7 @@ def test_the_curve_of_other_stones_is_refused(curve: BlockCapacityCurve, other: 
         careful_check(curve, curve, on_ground(*other), PUSH, SITED)
 
 
+@pytest.mark.slow
 def test_what_moves_later_does_not_make_the_oscillator_go_further() -> None:
     # A lintel slides on two columns, friction .15; from where its end has come to the edge of a column on, that leans after it.
     columns = [box((0, 0.5), (0, 1), (0, 2.4)), box((2.6, 3.2), (0, 1), (0, 2.4))]

@@ -8,6 +8,7 @@ from churchpipe import doctor
 from churchpipe.doctor import Trial, examine
 
 
+@pytest.mark.slow
 def test_this_environment_is_sound() -> None:
     findings = examine()
     assert [(f.name, f.detail) for f in findings if not f.passed] == []

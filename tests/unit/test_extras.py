@@ -47,6 +47,7 @@ def alone(code: str, *arguments: object) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 def test_the_core_needs_none_of_them(tmp_path: Path) -> None:
     done = alone(CORE, ROOT / "pipeline" / "cases" / "wall.toml", tmp_path / "wall.dxf")
     assert done.returncode == 0, done.stderr

@@ -118,6 +118,7 @@ def test_a_support_that_moves_has_its_reaction_and_its_cracks(path: cp.Settlemen
     assert f"must resist with {path.reaction[0] / 1e3:.4g} kN" in named
 
 
+@pytest.mark.slow
 def test_a_support_that_turns_is_told_in_degrees(tmp_path: Path) -> None:
     contacts = cp.find_contacts(STONES)
     turned = cp.settlement_path(STONES, contacts, [0], (0, 1, 0), friction=0.6, about=(0.4, 0.0, 0.0), furthest=0.02, step=0.02)
@@ -161,6 +162,7 @@ def test_a_curve_among_the_results_is_told_its_place(curve: cp.BlockCapacityCurv
         written(tmp_path, [(PUSH, curve)])
 
 
+@pytest.mark.slow
 def test_a_curve_of_another_load_or_of_other_joints_than_its_pair_is_refused(
     curve: cp.BlockCapacityCurve, tmp_path: Path
 ) -> None:

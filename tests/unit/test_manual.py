@@ -108,9 +108,11 @@ WITH_PYTHON = [page for page in PAGES if python_blocks(page)]
 
 
 # Seven seconds each and more; what they call is in tests of their own.
-LONG = pytest.mark.slow("docs/: the Python of the pages on vaults, strengthening and variants of a building")
+LONG = pytest.mark.slow("docs/: the Python of its tour and of the pages on vaults, strengthening and variants of a building")
 OF_PAGES = [
-    pytest.param(page, marks=LONG if page.name in ("strengthening.md", "vaults.md", "what_if.md") else (), id=page.name)
+    pytest.param(
+        page, marks=LONG if page.name in ("python.md", "strengthening.md", "vaults.md", "what_if.md") else (), id=page.name
+    )
     for page in WITH_PYTHON
 ]
 

@@ -123,6 +123,7 @@ def test_a_curve_is_drawn() -> None:
         cp.plot(STATE)
 
 
+@pytest.mark.slow
 def test_models_and_results_have_methods_that_show_them() -> None:
     def alike(one: Any, other: Any) -> bool:
         return np.array_equal(np.asarray(one), np.asarray(other))

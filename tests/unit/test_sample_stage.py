@@ -119,6 +119,7 @@ def test_a_sample_that_cannot_be_built_is_told(tmp_path: Path, monkeypatch: pyte
     assert study["analyses"][0]["without_result"] == {"refused": len(beyond)}
 
 
+@pytest.mark.slow
 def test_curves_that_are_checked_are_followed_in_half_the_step_and_those_of_samples_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -50,6 +50,7 @@ def test_a_fork_writes_where_its_caller_would_and_ends_as_it_would(tmp_path: Pat
     assert done.returncode == 7
 
 
+@pytest.mark.slow
 def test_a_fork_that_a_signal_ends_is_told_as_shells_do(tmp_path: Path) -> None:
     # A building of parameters that are no file waits for nobody: a pipe without writer keeps the stage until it is ended.
     os.mkfifo(tmp_path / "settings.json")

@@ -45,7 +45,12 @@ def energies(stones: Assemblage, curve: BlockCapacityCurve) -> tuple[float, floa
 
 @pytest.mark.parametrize(
     ("step", "courses"),
-    [(0.05, 1), (0.05, 8), pytest.param(0.0125, 1, marks=BLOCKS), pytest.param(0.0125, 8, marks=BLOCKS)],
+    [
+        (0.05, 1),
+        pytest.param(0.05, 8, marks=BLOCKS),
+        pytest.param(0.0125, 1, marks=BLOCKS),
+        pytest.param(0.0125, 8, marks=BLOCKS),
+    ],
 )
 def test_rocking_block_and_stack(courses: int, step: float) -> None:
     b, h = 0.5, 4.0
@@ -97,6 +102,7 @@ def test_sliding_block_keeps_its_friction() -> None:
     assert work == pytest.approx(taken, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_block_that_slides_off_a_pedestal_tips_when_its_centre_nears_the_edge() -> None:
     # min(mu, (b/2 - s)/(h/2)) with the slip s: it slides until .44 m and rocks about the pedestal's edge from then on.
     b, h, friction = 1.0, 0.3, 0.4

@@ -174,6 +174,7 @@ def stack() -> cp.Assemblage:
     )
 
 
+@pytest.mark.slow
 def test_stones_that_slide_and_crush_without_dilatancy() -> None:
     pressure = 6 * 0.5 * UNIT_WEIGHT
     factors = []

@@ -60,6 +60,7 @@ def test_rocking_wall_that_crushes(strength: float, first: float) -> None:
     assert work == pytest.approx(lifted + curve.dissipation[-1], rel=1e-2)
 
 
+@pytest.mark.slow
 def test_a_strong_wall_rocks_as_one_that_does_not_crush() -> None:
     stones = wall(1)
     contacts = cp.find_contacts(stones)
@@ -69,6 +70,7 @@ def test_a_strong_wall_rocks_as_one_that_does_not_crush() -> None:
     assert strong.d0 == pytest.approx(hard.d0, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_wall_of_courses_whatever_their_order() -> None:
     curves = []
     for upside_down in (False, True):

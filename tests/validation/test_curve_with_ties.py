@@ -56,6 +56,7 @@ def test_a_tie_that_yields(share: float, start: float) -> None:
     assert work == pytest.approx(lifted + curve.dissipation[-1], rel=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stiffness", "pretension", "ultimate"),
     [pytest.param(0.3, 0.0, np.inf, marks=MORE), (0.3, 0.02, 0.4), pytest.param(20.0, 0.05, np.inf, marks=MORE)],
@@ -73,6 +74,7 @@ def test_an_elastic_tie(stiffness: float, pretension: float, ultimate: float) ->
         assert curve.d0 == pytest.approx(curve_with(0.1).d0, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_progress_of_a_curve_that_rises() -> None:
     """An elastic tie lets the load factor rise at first: nothing of the curve is undone by that."""
     told: list[float] = []
@@ -104,6 +106,7 @@ def test_a_tie_that_breaks() -> None:
     assert curve.d0 == pytest.approx(free.d0, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_tie_on_the_other_side_hangs_slack() -> None:
     tie = cp.Tie("bar", (-3, 0.5, Z), (0, 0.5, Z), (1, 2), strength=0.1 * WEIGHT)
     curve = cp.block_pushover(STONES, cp.find_contacts(STONES), cp.LoadCase((-1, 0, 0)), 0.9, [tie], step=0.05)
@@ -111,6 +114,7 @@ def test_a_tie_on_the_other_side_hangs_slack() -> None:
     assert curve.d0 == pytest.approx(B / 2, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_joists_slide_until_they_fall_off_their_bearings() -> None:
     # Each of two joists bears 2 kN/m2 x 1.5 m x 1 m on the inner edge of the wall, and holds .4 of that by friction.
     pier, wall = box((-4.5, -3), (0, 2), (0, H)), box((0, B), (0, 2), (0, H))

@@ -75,6 +75,7 @@ def test_a_block_on_a_slope(slope: float) -> None:
     assert slides.load_factor == pytest.approx(np.tan(np.arctan(0.2) + slope), abs=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("direction", "toe"), [pytest.param((1.0, 0.0), (1.0, 0.0), marks=MORE), ((-1.0, 0.0), (0.0, 0.0))])
 def test_an_irregular_stone(direction: Point, toe: Point) -> None:
     body = Body([(0, 0), (1, 0), (0.8, 1.7), (0.1, 1.9)])
@@ -93,6 +94,7 @@ def test_an_eccentric_roof_travels_with_its_wall() -> None:
     assert first == pytest.approx((0.3 + 0.3 * 0.5) / (1.5 + 0.3 * 3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stiffness", "pretension", "strength", "ultimate"),
     [
@@ -132,6 +134,7 @@ def test_a_portal_of_unequal_columns() -> None:
     assert_follows([left, right, lintel], linkage, 1e-4, [GROUND], 0.9, step=0.04)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [pytest.param(0.0, marks=MORE), 0.25])
 def test_three_blocks_against_a_prop(friction: float) -> None:
     # The lower two turn as one about their toe, the upper one leans on the foot of the prop and slides up along it.

@@ -70,6 +70,7 @@ def test_certified_search_and_the_interval_of_its_mechanism(number: int) -> None
         assert (low, high) == pytest.approx(INTERVALS[number], abs=1.0e-4)
 
 
+@pytest.mark.slow
 def test_uniform_start_of_wall_4_finds_the_same_fixed_point() -> None:
     stones = wall(4)
     contacts = find_contacts(stones)

@@ -129,6 +129,7 @@ def butt_curve(steps: int, element_size: float = 0.6) -> tuple[cp.CapacityCurve,
 
 
 # Our own figures: what the first step of a curve carries hardly depends on the mesh.
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("element_size", "expected"),
     [pytest.param(0.45, 0.01441, marks=BUTT), pytest.param(0.6, 0.01446, marks=BUTT), (0.7, 0.01446)],

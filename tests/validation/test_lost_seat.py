@@ -48,7 +48,7 @@ def displacement_at(seat: float) -> float:
 
 @pytest.mark.parametrize(
     "seat",
-    [0.05, *(pytest.param(seat, marks=pytest.mark.slow("docs/displacement_check.md: lost seats")) for seat in (0.1, 0.2)), 0.35],
+    [0.05, *(pytest.param(seat, marks=pytest.mark.slow("docs/displacement_check.md: lost seats")) for seat in (0.1, 0.2, 0.35))],
 )
 def test_no_limit_state_goes_beyond_a_lost_seat(seat: float) -> None:
     curve = cp.block_pushover(STONES, CONTACTS, PUSH, 0.7, [joist(seat)], step=0.02)
@@ -66,6 +66,7 @@ def test_no_limit_state_goes_beyond_a_lost_seat(seat: float) -> None:
     assert free.lost_seat == ""
 
 
+@pytest.mark.slow
 def test_ties_that_are_no_joists_and_joists_that_hold_lose_no_seat() -> None:
     curve = cp.block_pushover(STONES, CONTACTS, PUSH, 0.7, [joist(0.1, seated=False)], step=0.05)
     assert lost_seat(curve, STONES, [joist(0.1, seated=False)]) is None

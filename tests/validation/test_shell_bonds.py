@@ -29,6 +29,7 @@ def load_factor(direction: tuple[int, int, int], **bond: str) -> float:
     return state.load_factor
 
 
+@pytest.mark.slow
 def test_leaves_that_nothing_ties_stand_each_for_itself() -> None:
     assert load_factor(OUT, pattern="header-stretcher", headers="none") == pytest.approx(
         0.5 * THICKNESS / HEIGHT * MESH, rel=0.01

@@ -27,6 +27,7 @@ def overturning(strength: float) -> float:
     return (B - B * HEIGHT * WEIGHT / strength) / HEIGHT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strength", [MPA, pytest.param(0.5 * MPA, marks=pytest.mark.slow("docs/contact_models.md: crushing"))])
 def test_wall_that_turns_about_crushed_masonry(strength: float) -> None:
     coarse, fine = (cp.shell_limit_analysis(mesh(size), PUSH, masonry(strength)) for size in (0.5, 0.3))

@@ -39,6 +39,7 @@ MESHES = {
 FINE = {"s5": {45: 0.3047, 30: 0.3048, 22.5: 0.3063}, "s22": {90: 0.2266, 60: 0.2216, 45: 0.2172, 30: 0.2144, 22.5: 0.2111}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["s5", pytest.param("s22", marks=TABLE)])
 def test_the_mesh_may_lower_or_raise_the_load_factor(name: str) -> None:
     assert_meshes(name, MESHES[name])

@@ -40,6 +40,7 @@ def in_the_limit(factors: list[float]) -> float:
     return fine - (middle - fine) / (ratio - 1)
 
 
+@pytest.mark.slow
 def test_a_beam_turns_with_its_wall() -> None:
     # About the toe: (W b/2 + B b/2) / (W h/2 + B (h + d/2)), W the wall, B the beam, d its height.
     b = 0.5

@@ -184,6 +184,7 @@ def test_a_wall_without_cohesion_carries_a_line_out_to_its_free_ends(dead: float
     assert state.load_factor < of_stones
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [0.05, *(pytest.param(place, marks=pytest.mark.slow) for place in (0.5, 1.0))])
 def test_a_point_load_does_not_depend_on_the_mesh(place: float) -> None:
     """A stone presses on all of its bed; as a force at one point of a facet the same load gives .16 to .41."""

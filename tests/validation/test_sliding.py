@@ -229,7 +229,7 @@ def test_a_mechanism_that_rounding_finds_does_not_lead() -> None:
     assert max(found) <= (1.0 + 1e-3) * min(found)
 
 
-@pytest.mark.parametrize("friction", [0.4, 0.7])
+@pytest.mark.parametrize("friction", [0.4, pytest.param(0.7, marks=pytest.mark.slow)])
 def test_a_small_wall_with_openings_is_certified(friction: float) -> None:
     """At friction .4 it slides as a whole, so that the load factor is the friction."""
     stones, contacts = facade("small")
@@ -243,6 +243,7 @@ def test_a_small_wall_with_openings_is_certified(friction: float) -> None:
         assert state.interval[0] <= state.load_factor <= state.interval[1] < friction
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "number", [4, pytest.param(6, marks=pytest.mark.slow("docs/validation.md: wall 6, the lowest state of its mechanism"))]
 )
@@ -261,6 +262,7 @@ def test_where_a_search_leads_the_lowest_state_of_its_mechanism_is_told(number: 
     assert [state.load_factor for state in states] == pytest.approx([states[0].load_factor] * 3, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_search_is_left_where_it_comes_near_to_a_state_that_would_not_lead() -> None:
     stones, contacts = model("S5")
     balance = equilibrium(stones, contacts, LOADS["S5"])
@@ -410,6 +412,7 @@ def test_a_state_that_fits_any_load_does_not_lead(
     assert [runs[number].start for number in found] == looked_at
 
 
+@pytest.mark.slow
 def test_the_printed_iteration_keeps_one_run_a_start() -> None:
     stones = wall(1)
     contacts = find_contacts(stones)

@@ -87,7 +87,7 @@ def test_a_lighter_upper_storey() -> None:
     assert state.load_factor == pytest.approx(turns_at(below, above, -1, flush=True, weights=(2.0, 1.0)), abs=1e-6)
 
 
-@pytest.mark.parametrize(("flush", "way"), [pytest.param(True, 1, marks=MORE), (True, -1), pytest.param(False, 1, marks=MORE)])
+@pytest.mark.parametrize(("flush", "way"), [pytest.param(*pair, marks=MORE) for pair in ((True, 1), (True, -1), (False, 1))])
 def test_the_shell_turns_about_the_same_edges(flush: bool, way: int) -> None:
     # It spreads a hinge over a row of elements, in these walls as in a plain one (5.5 % with elements of 0.25 m): what is left
     # is how the upper storey stands on the lower one, in the middle or on one side of it.

@@ -54,7 +54,8 @@ PAIRS = [(name, friction) for name in sorted(models()) for friction in (0.35, 0.
 
 
 @pytest.mark.parametrize(
-    ("name", "friction"), [pytest.param(*pair, marks=SLOW if pair == ("random wall 1", 0.6) else ()) for pair in PAIRS]
+    ("name", "friction"),
+    [pytest.param(*pair, marks=SLOW if pair in {("random wall 1", 0.6), ("window", 0.6)} else ()) for pair in PAIRS],
 )
 def test_a_state_without_dilatancy_is_certified(name: str, friction: float) -> None:
     stones = models()[name]
@@ -73,7 +74,7 @@ def test_a_state_without_dilatancy_is_certified(name: str, friction: float) -> N
 
 
 # A dome, an arch, a vault, a wall, a round tower, a box and an apse, of the smaller ones that are drawn.
-@pytest.mark.parametrize("seed", [4, 6, 7, *(pytest.param(seed, marks=SLOW) for seed in (8, 11, 18, 32))])
+@pytest.mark.parametrize("seed", [4, 6, *(pytest.param(seed, marks=SLOW) for seed in (7, 8, 11, 18, 32))])
 def test_a_drawn_building_is_certified(seed: int) -> None:
     stones, contacts, friction, load = random_building(seed)
     associative = limit_analysis(stones, contacts, load, friction)

@@ -40,12 +40,12 @@ def stones_of(build: Callable[..., Building], thickness: float, **sizes: Any) ->
         pytest.param(vault, SLICE | {"courses": 101}, 0.7, (0.105, 0.109), (0.1074, 0.1075), marks=TABLE),
         # Own: falls at .0881 and stands at .0887; the load factor along +x vanishes at .0885. mu .5: .1560 and .1564.
         pytest.param(vault, GROIN, 0.7, (0.085, 0.092), (0.0881, 0.0887), marks=TABLE),
-        (vault, GROIN, 0.5, (0.15, 0.16), (0.1559, 0.1564)),
+        pytest.param(vault, GROIN, 0.5, (0.15, 0.16), (0.1559, 0.1564), marks=TABLE),
         # Of 31 courses, own: .0861 and .0865; with friction 1 .0512 and .0524.
         pytest.param(vault, GROIN | {"courses": 31}, 0.7, (0.084, 0.089), (0.0858, 0.0865), marks=TABLE),
         pytest.param(vault, GROIN | {"courses": 31}, 1.0, (0.05, 0.054), (0.0510, 0.0524), marks=TABLE),
         # Own: .0902 and .0911.
-        (vault, GROIN | {"corner": "mitre"}, 0.7, (0.088, 0.094), (0.0902, 0.0912)),
+        pytest.param(vault, GROIN | {"corner": "mitre"}, 0.7, (0.088, 0.094), (0.0902, 0.0912), marks=TABLE),
         # A web of a pavilion without corner stones is a lune, own: .04267.
         pytest.param(vault, PAVILION | {"corner": "mitre"}, 0.7, (0.041, 0.044), (0.0426, 0.0428), marks=TABLE),
         # The hemisphere: .0428; own margin vanishes at .04267.
@@ -95,6 +95,7 @@ def check_least(
     assert found.safety(2 * found.stands) == pytest.approx(2.0)
 
 
+@pytest.mark.slow
 def test_a_staggered_dome_stands_as_a_membrane() -> None:
     found = cp.minimum_thickness(lambda t: stones_of(dome, t, rings=16, sides=64), 0.002, 0.04, 0.7)
     assert np.isnan(found.falls)
@@ -164,6 +165,7 @@ def test_diagonal_thrust_of_a_groin_vault_on_one_of_its_corners() -> None:
     assert found.greatest / stones.weight.sum() == pytest.approx(0.239062, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_outward_margin_of_a_hemisphere_falls_to_zero_in_proportion() -> None:
     # Own: .10567 .05004 .01594 .00226 at these thicknesses, hence zero at .04267.
     thickness, margin = (0.06, 0.05, 0.045, 0.043), []
@@ -181,6 +183,7 @@ def test_outward_load_needs_an_axis_beside_the_stones() -> None:
         cp.outward_load(stones)
 
 
+@pytest.mark.slow
 def test_a_segmental_vault_falls_by_its_skewbacks_where_friction_does_not_hold_them() -> None:
     bridge: dict[str, Any] = {"span": 6.0, "rise": 1.5, "shape": "segmental", "courses": 25, "foot": "abutments"}
     bridge |= {"stone_length": 1.0, "length": 1.0}

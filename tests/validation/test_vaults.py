@@ -125,7 +125,7 @@ def test_a_pointed_barrel() -> None:
         pytest.param({"rings": 16, "sides": 64}, (1, 0, 0), 1504, 0.605882, marks=DOMES),
         pytest.param({"rings": 16, "sides": 64, "laid": "lunes"}, (1, 0, 0), 1504, 0.455177, marks=DOMES),
         pytest.param(HALF, (1, 0, 0), 744, 0.5100, marks=DOMES),
-        (HALF, (0, 1, 0), 744, 0.7000),
+        pytest.param(HALF, (0, 1, 0), 744, 0.7000, marks=DOMES),
         (HALF, (0, -1, 0), 744, 0.2389),
     ],
 )

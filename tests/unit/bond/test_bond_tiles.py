@@ -65,6 +65,7 @@ def test_stack_bond_covers_a_wall(length, courses, rule, offset):
         np.testing.assert_array_equal(*joints)
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(
     left=st.floats(0.6, 3.0),

@@ -189,6 +189,7 @@ def test_no_panel_is_fitted_to_leaves(headers, named):
         fit_panels(stones)
 
 
+@pytest.mark.slow
 def test_the_shell_takes_its_strength_and_stiffness_from_the_stones():
     shell = derive_shell(wall(**WALL), element_size=0.3)
     assert shell.bonds.tolist() == ["english"]

@@ -66,6 +66,7 @@ def test_an_empty_path_is_no_place_to_write_to(
     assert sorted(tmp_path.iterdir()) == [case]
 
 
+@pytest.mark.slow
 def test_a_dry_run_in_the_current_folder_leaves_it_as_it_is(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

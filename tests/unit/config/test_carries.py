@@ -155,6 +155,7 @@ def test_a_beam_on_a_gable_is_refused_with_the_reason(tmp_path: Path) -> None:
         read_case(case_of(tmp_path, sample_case("chapel") + beam)).building()
 
 
+@pytest.mark.slow
 def test_a_beam_that_runs_into_a_gable_is_told_where_the_wall_is_free(tmp_path: Path) -> None:
     beam = '\n[[ring_beams]]\nwalls = ["nave_left"]\nheight_m = 0.3\n'
     with pytest.raises(

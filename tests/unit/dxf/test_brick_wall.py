@@ -123,6 +123,7 @@ def check_sliding(drawing: Drawing, factor: float) -> None:
     assert 0.5 * factor < sliding.load_factor <= factor * (1 + 1e-6)
 
 
+@pytest.mark.slow
 def test_a_wall_with_two_arches(tmp_path: Path) -> None:
     wall = brick_wall(12, 16, [Opening(2, 3, 0, 6), Opening(7, 3, 3, 4)])
     # Computed with this code; nobody has published this wall.
@@ -169,7 +170,7 @@ def any_wall(seed: int, monkeypatch: pytest.MonkeyPatch) -> tuple[BrickWall, flo
     return brick_wall(6 + opening.bricks, int(top / (height + joint)) + 4, [opening]), joint
 
 
-@pytest.mark.parametrize("seed", [1, 1043])
+@pytest.mark.parametrize("seed", [1, pytest.param(1043, marks=pytest.mark.slow)])
 def test_every_joint_of_any_wall_is_found_or_named(seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # In the second wall a brick ends in a tip of 1.4 degrees, too sharp to be grown to a point.
     wall, joint = any_wall(seed, monkeypatch)
@@ -190,6 +191,7 @@ def test_steep_arches_keep_their_joints(tmp_path: Path) -> None:
     check_joints(wall, tmp_path / "wall.dxf", 0.010)
 
 
+@pytest.mark.slow
 def test_a_brick_with_a_long_tip_keeps_its_bed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # The tips of bricks that these arches cut, 6 degrees sharp, grow by more than ten joints.
     for name, size in (("LENGTH", 0.215), ("HEIGHT", 0.102), ("JOINT", 0.012)):

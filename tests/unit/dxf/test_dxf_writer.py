@@ -62,6 +62,7 @@ def calls(work: Callable[[], object]) -> int:
     return count
 
 
+@pytest.mark.slow
 def test_a_stone_more_costs_little_to_write_and_to_read(tmp_path: Path) -> None:
     # Of 20 000 alike stones an entity each took 14 s to write, 1600 calls a stone; one definition and a text each take 45 calls.
     # Reading takes 1320, of which ezdxf has the most; a walk over all stones for each of them would grow without end.

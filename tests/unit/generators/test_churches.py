@@ -144,6 +144,7 @@ def test_macro_elements_carry_names(r14):
     assert {"facade", "triumphal_arch", "nave_left", "nave_right", "east", "apse", "chapel_outer"} <= set(stones.panel)
 
 
+@pytest.mark.slow
 def test_a_latin_cross_has_a_choir():
     parts = CHURCH | {
         "choir_arch": WALL,
@@ -159,6 +160,7 @@ def test_a_latin_cross_has_a_choir():
     assert match_models(stones, contacts, shell).passed
 
 
+@pytest.mark.slow
 def test_a_tower_may_take_part_of_an_arm():
     # An arm 3.35 m wide beside a nave 5.8 m wide over all; the tower takes 2.6 m of it.
     building = church(**(CHURCH | {"tower": {"height": 9.0, "width": 2.6}}), materials=(STONE,))

@@ -211,7 +211,7 @@ def test_a_bond_and_a_junction_of_its_own() -> None:
 @pytest.mark.parametrize(
     "number", [1, pytest.param(3, marks=pytest.mark.slow("docs/house.md: random houses, sound, and one building in both models"))]
 )
-@pytest.mark.parametrize("joints", ["bay", "grid"])
+@pytest.mark.parametrize("joints", ["bay", pytest.param("grid", marks=pytest.mark.slow)])
 def test_random_houses_are_sound_and_match(joints: str, number: int) -> None:
     rng = np.random.default_rng(list(joints.encode()))
     count = 0

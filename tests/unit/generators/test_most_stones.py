@@ -33,7 +33,10 @@ def test_every_generator_is_here() -> None:
     assert {*MUTATED, "arch"} == {*GENERATORS}
 
 
-@pytest.mark.parametrize(("generator", "change"), MUTATED.items())
+@pytest.mark.parametrize(
+    ("generator", "change"),
+    [pytest.param(*pair, marks=pytest.mark.slow if pair[0] == "vault" else ()) for pair in MUTATED.items()],
+)
 def test_a_mutated_number_is_refused_before_stones_take_memory(generator: str, change: str, tmp_path: Path) -> None:
     path = tmp_path / "case.toml"
     path.write_text(sample_case(generator), encoding="utf-8")

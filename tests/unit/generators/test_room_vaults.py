@@ -72,6 +72,7 @@ def test_ribs_of_a_room_stand_on_its_walls() -> None:
         chapel(vaults=(ribbed | {"rib_width": 0.6},), **CHAPEL)
 
 
+@pytest.mark.slow
 def test_arches_of_a_groin_vault_stand_on_the_walls_before_its_ends() -> None:
     arched = BARREL | {"kind": "groin", "arches": 4, "arch_width": 0.3, "arch_depth": 0.2}
     stones, contacts = sound(chapel(vaults=(arched,), **CHAPEL))
@@ -105,6 +106,7 @@ SQUARE: dict[str, Any] = CROSS | {"transept": {"width": 9.0, "depth": 4.0, "thic
 DOME = {"over": "crossing", "kind": "dome", "thickness": 0.3, "courses": 8}
 
 
+@pytest.mark.slow
 def test_a_square_crossing_takes_a_dome_on_slabs_across_its_corners() -> None:
     stones, contacts = sound(church(vaults=(DOME,), **SQUARE))
     parts = {"vault_crossing", "vault_crossing_slab_1", "vault_crossing_springer_4"}

@@ -118,6 +118,7 @@ def test_forces_are_kept_kind_by_kind() -> None:
     np.testing.assert_array_equal(forces.by_corner(forces.of_each_corner(np.arange(7.0)))[:5], np.tile(np.arange(7.0), (5, 1)))
 
 
+@pytest.mark.slow
 def test_the_exact_cell_is_the_default_and_other_strengths_say_so() -> None:
     flat, triangles = grid(4, 4, 0.63, 0.63)
     model = shell(wall_points(flat), triangles, surface_weight=28.6e3 * 0.04, supported=lambda p: p[:, 2] < 1e-9)

@@ -78,6 +78,7 @@ def test_a_curve_is_cut_at_a_step_that_it_has(step: Any) -> None:
         curve.until(step)
 
 
+@pytest.mark.slow
 def test_known_limit_states_are_not_made_again_and_those_of_other_stones_are(monkeypatch: pytest.MonkeyPatch) -> None:
     contacts, made = cp.find_contacts(BLOCK), list[str]()
 
@@ -171,6 +172,7 @@ def test_progress_and_the_largest_displacement() -> None:
     assert "all steps asked for" in few.message
 
 
+@pytest.mark.slow
 def test_a_curve_that_was_interrupted_stays_on_its_branch(tmp_path: Path) -> None:
     # Without the forces of its last step this wall goes on along another one, 6 % of the load factor away.
     stones = ferris_tin_loi_wall(3)
@@ -191,6 +193,7 @@ def test_a_curve_that_was_interrupted_stays_on_its_branch(tmp_path: Path) -> Non
     assert not len(whole.until(3).last.pair)
 
 
+@pytest.mark.slow
 def test_a_curve_goes_on_from_any_of_its_steps() -> None:
     stones = on_ground(*[box((0, 0.36), (0, 1), (i / 4, (i + 1) / 4)) for i in range(4)])
     contacts = cp.find_contacts(stones)
@@ -274,6 +277,7 @@ def test_a_stone_that_loses_its_seat_falls_and_the_others_go_on() -> None:
     assert curve.status == "vanished"
 
 
+@pytest.mark.slow
 def test_a_tie_is_torn_out_where_its_stone_falls() -> None:
     post, plate, stop = box((-0.4, -0.05), (0, 1), (0, 4)), box((-9, 9), (-5, 5), (-1, 0)), box((0.2, 0.6), (0, 1), (4.2, 4.4))
     block, slab = box((0, 1), (0, 1), (0, 4)), box((-0.2, 0.2), (0, 1), (4, 4.4))
@@ -286,6 +290,7 @@ def test_a_tie_is_torn_out_where_its_stone_falls() -> None:
     assert (curve.tie_forces[curve.displacement > lost.displacement] == 0).all()
 
 
+@pytest.mark.slow
 def test_a_beam_that_slides_on_its_wall_has_a_curve() -> None:
     # Its first program was not solved as exactly as was asked, and there was no curve at all.
     building = replace(

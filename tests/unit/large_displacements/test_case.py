@@ -197,6 +197,7 @@ def test_the_path_for_paraview(tmp_path: Path, curve: BlockCapacityCurve) -> Non
 FALLEN = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.6, 1.6), (0, 1), (1, 2)))
 
 
+@pytest.mark.slow
 def test_a_killed_run_goes_on_from_its_steps(tmp_path: Path) -> None:
     case, out = tmp_path / "case.toml", tmp_path / "run"
     case.write_text(CASE + "[rigid.curve]\nstep_mm = 2\nsteps = 60\n", encoding="utf-8")

@@ -96,6 +96,7 @@ def test_gaps_of_less_than_a_thousandth_of_the_step_are_closed_in_a_large_model(
     assert demands is model.demands
 
 
+@pytest.mark.slow
 def test_a_curve_that_goes_on_says_where_its_ties_broke_and_finds_the_place_as_closely() -> None:
     """Killed just before the tie breaks it knew the place to a whole step, and afterwards said that it broke where it went on."""
     stones = on_ground(box((0, 1), (0, 1), (0, 4)), reach=8)

@@ -165,6 +165,7 @@ def test_the_artifact_comes_back(tmp_path: Path) -> None:
     assert read_json(out / "plan.json")["analyses"] == []
 
 
+@pytest.mark.slow
 def test_a_killed_run_goes_on_from_its_steps(tmp_path: Path) -> None:
     out = staged(tmp_path, CORNER)
     folder, geometry = out / "movement" / "corner", out / "geometry" / "base"

@@ -119,6 +119,7 @@ def test_an_arch_with_five_digits_stands(write: Callable[..., Path], tmp_path: P
     assert load_factor(stones, contacts) == pytest.approx(ARCH, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("heads", "depth"),
     [("staggered", 0.002), pytest.param("aligned", 0.008, marks=pytest.mark.slow("docs/formats.md: a vault of warped faces"))],

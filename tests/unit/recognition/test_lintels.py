@@ -68,6 +68,7 @@ def test_a_drawn_lintel_is_one_stone_of_its_wall(tmp_path: Path, opening):
     cp.check_soundness(stones, cp.find_contacts(stones))
 
 
+@pytest.mark.slow
 def test_a_shell_stands_over_a_lintel(tmp_path: Path):
     """Without it the shell falls under its own weight (test_laying.py)."""
     stones, _ = read(drawing(tmp_path, WALL, WINDOW, ("LINTEL", (1.7, 2.0, 3.3, 2.25))))

@@ -55,6 +55,7 @@ def test_rings_of_voussoirs_have_a_section(building: Building, joints: int) -> N
     assert section.rings == ()
 
 
+@pytest.mark.slow
 def test_a_dome_has_the_forces_of_its_rings_beside(tmp_path: Path) -> None:
     stones, contacts, row = pushed(dome(**DOME))
     (section,) = vault_sections(stones, contacts, [row])

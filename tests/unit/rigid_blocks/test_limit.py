@@ -97,6 +97,7 @@ def chapel_with_thick_walls(folder: Path) -> tuple[Assemblage, Contacts]:
     return laid(cp.read_case(folder / "chapel.toml").building())
 
 
+@pytest.mark.slow
 def test_thick_walls_with_cohesion(tmp_path: Path) -> None:
     stones, contacts = chapel_with_thick_walls(tmp_path)
     state = limit_analysis(stones, contacts, LoadCase((1, 0, 0), profile="linear"), 0.6, 20e3, solver="interior-point")
@@ -170,6 +171,7 @@ def test_a_wedge_of_friction_alone_slides_without_dilatancy(taper: float) -> Non
     assert [run.start for run in alone.starts] == ["dead-load"]
 
 
+@pytest.mark.slow
 def test_an_arch_that_is_pressed_at_its_crown_says_why_it_has_no_load_factor() -> None:
     """With friction a thick arch of few stones holds any load at its crown; sliding without dilatancy is not decided by that, and
     the search once ended at a load factor of -3.9. With a compressive strength there is one."""

@@ -9,6 +9,7 @@ from churchpipe.rigid_blocks.loose import any_load_words, held_fast, loose_stone
 from flat_heads import flat_headed_wall
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("top", "count", "toppling"),
     [(2.25, 3, 0.2342), pytest.param(2.5, 5, 0.2056, marks=pytest.mark.slow("docs/limits.md: stones over an opening"))],

@@ -166,6 +166,7 @@ def test_a_junction_carries_what_each_wall_owns_of_it():
     assert shell.surface_weight[away] == pytest.approx(full, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_wall_that_owns_nothing_of_a_junction_weighs_nothing_there():
     building = prototype(**S22)
     butted = replace(building, panels=(replace(building.panels[0], runs_through=None), *building.panels[1:]))

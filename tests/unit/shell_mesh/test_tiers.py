@@ -101,6 +101,7 @@ def test_an_arch_across_the_height_of_a_storey_has_no_shell() -> None:
         cp.derive_shell(building, 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flush", [True, pytest.param(False, marks=pytest.mark.slow("docs/house.md: storeys in a drawing"))])
 def test_stones_of_a_drawing_have_the_same_walls(flush: bool) -> None:
     building = house(flush=flush, openings=[WINDOW])

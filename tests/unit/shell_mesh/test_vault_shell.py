@@ -125,6 +125,7 @@ def test_rings_and_lunes_do_not_interlock(
     assert state.load_factor == pytest.approx(expected, abs=6e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sizes", "blocks", "expected"),
     [
@@ -146,6 +147,7 @@ def test_rings_pushed_along_the_barrel_are_as_wide_as_they_are(sizes: dict[str, 
     assert state.load_factor == pytest.approx(expected, abs=6e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sizes", "expected"),
     [

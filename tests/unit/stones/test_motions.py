@@ -33,7 +33,7 @@ SMALL = [
 ]
 SMALL += ["s5_parity", "s5_uncertain", "thick_wall", "tower", "vault", "wall"]
 # One of each kind of walls and vaults, a second or two each.
-QUICK = ["apse", "arch", "arch_piers", "box", "chapel_variants", "dome", "s22", "thick_wall", "vault", "wall"]
+QUICK = ["arch", "arch_piers", "box", "chapel_variants", "dome", "thick_wall", "vault", "wall"]
 # Small enough for three limit analyses.
 SOLVED = ["arch", "arch_piers", "wall"]
 # Cases of the stones and the load of another, with other analyses.

@@ -95,6 +95,7 @@ def test_velocities_alone() -> None:
     assert dissipation(program, alone.y) == pytest.approx(whole.tau, rel=2e-5)
 
 
+@pytest.mark.slow
 def test_velocities_that_go_on_from_others_take_half_the_iterations() -> None:
     # The mechanisms of normal forces that have changed by a hundredth at random, from the one of before.
     balance, strength, solve, n = tilted()
@@ -161,6 +162,7 @@ def test_a_start_that_leads_nowhere_is_paid_for(only: bool, monkeypatch: pytest.
     assert only or warm.iterations > cold.iterations
 
 
+@pytest.mark.slow
 def test_a_start_that_has_come_near_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     # From the iterate at which it stopped, where another one is begun anew.
     balance, strength, solve, n = tilted("S22")
