@@ -315,7 +315,8 @@ def test_an_edited_reader_of_cases_reruns_what_it_decides(
     assert pristine.stale(edited=True) == {"rigid": 2, **RESULTS}
 
 
-@pytest.mark.parametrize("stage", ["rigid", pytest.param("report", marks=EDITED)])
+@EDITED
+@pytest.mark.parametrize("stage", ["rigid", "report"])
 def test_an_edited_stage_reruns_itself_alone(
     stage: str, pristine: Copy, edited: Callable[[str, Callable[[str], str]], None]
 ) -> None:
@@ -430,6 +431,7 @@ UNLAID = (
 )
 
 
+@pytest.mark.slow
 def test_bad_input_found_by_a_stage_is_1_and_says_so(pristine: Copy, tmp_path: Path) -> None:
     run = tmp_path / "run"
     code, out, err = pristine.call("churchpipe", "run", pristine.case, "--out", run, "--set", UNLAID)
@@ -497,6 +499,7 @@ def test_a_wall_that_a_drawing_has_not_is_named_with_its_line(pristine: Copy, tm
     assert f"{case}: line {line}, line_loads.0: line load roof: no such wall; found nave" in err
 
 
+@pytest.mark.slow
 def test_a_kill_in_the_middle_loses_nothing_finished(pristine: Copy, tmp_path: Path) -> None:
     out = tmp_path / "run"
     command = ("churchpipe", "run", pristine.case, "--out", out, "--jobs", 1)

@@ -57,6 +57,7 @@ def load_factors(case: Path) -> list[float]:
     return summary["uncertainty"]["analyses"][0]["load_factors"]
 
 
+@pytest.mark.slow
 def test_more_samples_add_to_those_there(tmp_path: Path) -> None:
     case = case_file(tmp_path, WALL + SAMPLE)
     assert run(case) == {"source": 1, "blocks": 1, "contacts": 1, "rigid": 1, "sample": 1, "compare": 1, "report": 1}

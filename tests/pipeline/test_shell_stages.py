@@ -354,6 +354,10 @@ def test_what_the_shell_refuses_does_not_stop_the_stones(case: Path) -> None:
     assert isinstance(bad, Analysis)
     assert bad.name == limit["name"]
     assert "Use planes = &#34;cell&#34;" in page(case)
+
+
+@pytest.mark.slow
+def test_what_the_planes_refuse_the_exact_cell_takes(case: Path) -> None:
     again = make(case, "material.default.friction=1.2", "shell.element_size_mm=600")
     assert again["analyses"][1]["status"] == "optimal"
 

@@ -201,16 +201,9 @@ def test_the_control_point_of_a_curve_changes_nothing(curve: BlockCapacityCurve)
 MASSES = pytest.mark.slow("docs/displacement_check.md: masses on a block")
 
 
-@pytest.mark.parametrize(
-    ("mass", "profile"),
-    [
-        (0.0, "uniform"),
-        *(
-            pytest.param(*case, marks=MASSES)
-            for case in ((0.0, "linear"), (10e3, "uniform"), (10e3, "linear"), (40e3, "uniform"), (40e3, "linear"))
-        ),
-    ],
-)
+@MASSES
+@pytest.mark.parametrize("mass", [0.0, 10e3, 40e3])
+@pytest.mark.parametrize("profile", ["uniform", "linear"])
 def test_masses_are_bodies_of_their_own(mass: float, profile: Literal["uniform", "linear"]) -> None:
     # A block of W that turns about an edge, b wide and h high, with P and the mass Q in the middle of its top. With the angle t,
     # the load factor vanishes at tan t0 = b/2 (W + P) / (W h/2 + P h).

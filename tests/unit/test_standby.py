@@ -42,6 +42,7 @@ def stand_by(folder: Path, *commands: list[str], ask: str = ASK) -> "subprocess.
     return subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=120)
 
 
+@pytest.mark.slow
 def test_a_fork_writes_where_its_caller_would_and_ends_as_it_would(tmp_path: Path) -> None:
     done = stand_by(tmp_path, ["--version"], ["no-such-command"])
     assert done.stdout.startswith("churchpipe ")

@@ -121,7 +121,8 @@ def test_block_that_slides_off_a_pedestal_tips_when_its_centre_nears_the_edge() 
     assert work == pytest.approx(taken, rel=1e-3)
 
 
-@pytest.mark.parametrize(("breadth", "d0"), [(0.3, 0.15), pytest.param(0.36, 0.18, marks=BLOCKS)])
+@BLOCKS
+@pytest.mark.parametrize(("breadth", "d0"), [(0.3, 0.15), (0.36, 0.18)])
 def test_stack_that_may_slide(breadth: float, d0: float) -> None:
     # .3: it rocks as one; .36: it slides first, mu = .35 < .36, and d0 may lie a little further.
     stones = on_ground(*[box((0, breadth), (0, 1), (i / 8, (i + 1) / 8)) for i in range(8)])

@@ -17,11 +17,9 @@ SLOW = pytest.mark.slow("docs/capacity_curve.md: where the curve begins")
 SEEDS = [1, 4, 7, 12, 13, 14, 15]
 
 
-@pytest.mark.parametrize(
-    ("seed", "contact_model"),
-    [pytest.param(seed, "corners", marks=() if seed == 12 else SLOW) for seed in SEEDS]
-    + [pytest.param(seed, "torsion", marks=SLOW) for seed in SEEDS],
-)
+@SLOW
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("contact_model", ["corners", "torsion"])
 def test_of_a_corner(seed: int, contact_model: ContactModel) -> None:
     stones, contacts, friction, load = random_corner(seed)
     options = {"contact_model": contact_model}

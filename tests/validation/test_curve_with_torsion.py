@@ -42,6 +42,7 @@ def test_eccentric_pressure() -> None:
     assert curve.load_factor[0] == pytest.approx(10 * MU * arm, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_rocking_is_untouched() -> None:
     stones = on_ground(box((0, 0.5), (0, 1), (0, 2)), box((0, 0.5), (0, 1), (2, 4)))
     contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))

@@ -126,6 +126,7 @@ def test_a_slanted_bar(stiffness: float, pretension: float, strength: float, ult
     assert_follows([body], linkage, 1e-7, [GROUND, post], 0.9, ties=[bar], step=0.03)
 
 
+@pytest.mark.slow
 def test_a_portal_of_unequal_columns() -> None:
     left, right = Body([(0, 0), (0.5, 0), (0.5, 2.4), (0, 2.4)]), Body([(2.6, 0), (3.2, 0), (3.2, 2.4), (2.6, 2.4)])
     lintel = Body([(0, 2.4), (3.2, 2.4), (3.2, 2.9), (0, 2.9)])

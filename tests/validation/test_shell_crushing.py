@@ -48,6 +48,7 @@ def test_capacity_curve_ends_at_the_limit_load() -> None:
     assert max(step.violation for step in curve.steps) < 1e-6
 
 
+@pytest.mark.slow
 def test_weaker_masonry_carries_less_and_strong_masonry_as_if_it_never_crushed() -> None:
     shell = mesh(1.0)
     factors = [cp.shell_limit_analysis(shell, PUSH, masonry(f)).load_factor for f in (0.25 * MPA, MPA, 1e4 * MPA, None)]

@@ -135,6 +135,7 @@ def test_a_chapel_has_a_window_in_its_apse():
     assert (stones.panel[stones.course == -1] == "apse").sum() == 7
 
 
+@pytest.mark.slow
 def test_a_door_that_filled_again_leaves_a_slit_is_laid():
     door = {"name": "d", "wall": "apse", "centre": -0.425, "width": 0.95, "shape": "segmental", "rise": 0.25, "depth": 0.45}
     half_round = {"inner_radius": 1.6, "thickness": 0.388, "height": 3.575, "centre": 0.11}
@@ -220,6 +221,7 @@ def test_what_does_not_fit_is_told_with_the_numbers(changes, said):
         apse(**APSE, openings=[WINDOW | changes])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     ["inner_radius_m=1.5", *(pytest.param(change, marks=SLOW) for change in ("inner_radius_m=2.0", "thickness_m=1.2"))],
