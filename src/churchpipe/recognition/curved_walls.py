@@ -11,7 +11,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indi
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import CylinderChart
 from churchpipe.model.polyhedra import face_normals
-from churchpipe.recognition.wall_planes import FLAT, TURN
+from churchpipe.stones.raggedness import Raggedness, face_lengths
 
 # Normals that differ by less than this are in one direction, rad.
 TOLERANCE = 1e-4
@@ -19,6 +19,8 @@ TOLERANCE = 1e-4
 _ROUND = 1e-8
 # Axes found from single stones are taken as one if they differ by less than this, m. Short joints determine them only roughly.
 AXIS_TOLERANCE = 1e-3
+# So many times as far as corners are off, joints miss the axis: a stone is as much further from it than it is deep.
+AXIS_OFF = 10.0
 # Least number of stones of a wall.
 LEAST_STONES = 3
 # The stones of one panel name are a curved wall only if more than this share of their volume is on the cylinder.
@@ -48,22 +50,23 @@ class _Joints:
     offset: FloatArray
 
 
-def curved_walls(stones: Assemblage, base: float) -> list[CurvedWall]:
+def curved_walls(stones: Assemblage, base: float, ragged: Raggedness) -> list[CurvedWall]:
     """Return the walls on cylinders among the free stones, by panel name; stones without a name are grouped by their axis.
 
     A wall extends along the arc between the two circles on which the corners of its wedge stones lie. It continues straight
     along the tangents as far as there are stones of its thickness. base: height of t = 0, m.
+    ragged: how far corners lie off their walls.
     """
-    joints = _turning_joints(stones)
+    joints = _turning_joints(stones, ragged)
     found: list[CurvedWall] = []
     used = stones.fixed.copy()
-    for wedges in _wedge_groups(stones, joints):
-        chart, thickness = _cylinder(stones, joints, wedges, base)
+    for wedges in _wedge_groups(stones, joints, ragged):
+        chart, thickness = _cylinder(stones, joints, wedges, base, ragged)
         if chart is None:
             continue
         name = str(stones.panel[wedges[0]])
         free = np.flatnonzero((stones.panel == name) & ~used)
-        own = free[_lies_on(stones, free, chart, thickness)]
+        own = free[_lies_on(stones, free, chart, thickness, ragged.flat)]
         share = stones.volume[own].sum() / stones.volume[free].sum() if len(free) else 0.0
         if len(own) >= LEAST_STONES and (not name or share > LEAST_SHARE):
             used[own] = True
@@ -80,14 +83,16 @@ def curved_coordinates(chart: CylinderChart, points: FloatArray) -> tuple[FloatA
     return flat, np.einsum("nc,nc->n", points - chart.centre, normals(chart, flat)) - chart.radius
 
 
-def _turning_joints(stones: Assemblage) -> _Joints:
+def _turning_joints(stones: Assemblage, ragged: Raggedness) -> _Joints:
     _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    turn = ragged.turn(face_lengths(stones))
     owner: list[int] = []
     kept: list[IntArray] = []
     for block in np.flatnonzero(~stones.fixed):
         faces = np.arange(*stones.block_face_ptr[block : block + 2])
         faces = faces[np.abs(normal[faces, 2]) < TOLERANCE]
-        alone = faces[(normal[faces] @ normal[faces].T > TURN**2 / 2 - 1).all(axis=1)]
+        most = np.maximum.outer(turn[faces], turn[faces])
+        alone = faces[(normal[faces] @ normal[faces].T > most**2 / 2 - 1).all(axis=1)]
         owner += [int(block)] * len(alone)
         kept.append(alone)
     face = np.concatenate(kept) if kept else np.empty(0, dtype=np.int64)
@@ -95,7 +100,7 @@ def _turning_joints(stones: Assemblage) -> _Joints:
     return _Joints(np.array(owner, dtype=np.int64), normal[face, :2], offset)
 
 
-def _wedge_groups(stones: Assemblage, joints: _Joints) -> Iterator[IntArray]:
+def _wedge_groups(stones: Assemblage, joints: _Joints, ragged: Raggedness) -> Iterator[IntArray]:
     """Yield the wedge stones of one panel name and one axis, where there are enough of them."""
     wedges, axes = [], []
     for block in np.unique(joints.stone):
@@ -108,34 +113,37 @@ def _wedge_groups(stones: Assemblage, joints: _Joints) -> Iterator[IntArray]:
         return
     wedge = np.array(wedges)
     names = np.unique(stones.panel[wedge], return_inverse=True)[1].astype(np.float64)
-    label = clusters(np.column_stack([np.array(axes), names.ravel()]), AXIS_TOLERANCE)
+    label = clusters(np.column_stack([np.array(axes), names.ravel()]), max(AXIS_TOLERANCE, AXIS_OFF * ragged.counted))
     for number in np.unique(label):
         if (label == number).sum() >= LEAST_STONES:
             yield wedge[label == number]
 
 
-def _cylinder(stones: Assemblage, joints: _Joints, wedges: IntArray, base: float) -> tuple[CylinderChart | None, float]:
+def _cylinder(
+    stones: Assemblage, joints: _Joints, wedges: IntArray, base: float, ragged: Raggedness
+) -> tuple[CylinderChart | None, float]:
     """Return the chart of the wall that wedge stones stand in, without one where their corners lie on more than two circles."""
     rows = np.isin(joints.stone, wedges)
     centre = np.linalg.lstsq(joints.normal[rows], joints.offset[rows], rcond=None)[0].astype(np.float64)
     corner = _corners(stones, wedges)[0][:, :2]
     near, far, off = _circles(corner, centre)
-    if _ROUND < off < AXIS_TOLERANCE:
+    flat = ragged.flat
+    if _ROUND < off < max(AXIS_TOLERANCE, AXIS_OFF * ragged.counted):
         centre = _centred(corner, centre)
         near, far, off = _circles(corner, centre)
-    if off > FLAT:
+    if off > flat:
         return None, 0.0
     # A stone that continues into a straight leg has one joint through the axis, too.
-    radial = joints.stone[np.abs(joints.normal @ centre - joints.offset) < FLAT]
+    radial = joints.stone[np.abs(joints.normal @ centre - joints.offset) < flat]
     ringed = np.unique(radial[stones.panel[radial] == stones.panel[wedges[0]]])
     spoke = _corners(stones, ringed)[0][:, :2] - centre
     reach = np.linalg.norm(spoke, axis=1)
-    spoke = spoke[(np.abs(reach - near) < FLAT) | (np.abs(reach - far) < FLAT)]
+    spoke = spoke[(np.abs(reach - near) < flat) | (np.abs(reach - far) < flat)]
     if not len(spoke):
         return None, 0.0
     angle = np.sort(np.arctan2(spoke[:, 1], spoke[:, 0]))
     gap = np.diff(angle, append=angle[0] + 2 * np.pi)
-    steps = gap[gap > FLAT / near]
+    steps = gap[gap > flat / near]
     widest = int(np.argmax(gap))
     start = float(angle[(widest + 1) % len(angle)])
     sweep = 2 * np.pi - float(gap[widest]) if gap[widest] > OPEN * np.median(steps) else 2 * np.pi
@@ -172,9 +180,9 @@ def _corners(stones: Assemblage, blocks: IntArray) -> tuple[FloatArray, IntArray
     return stones.points[points_of(stones, blocks)], np.repeat(np.arange(len(blocks)), count)
 
 
-def _lies_on(stones: Assemblage, blocks: IntArray, chart: CylinderChart, thickness: float) -> BoolArray:
-    """Return which stones have all their corners on the two faces of a wall."""
+def _lies_on(stones: Assemblage, blocks: IntArray, chart: CylinderChart, thickness: float, flat: float) -> BoolArray:
+    """Return which stones have all their corners on the two faces of a wall, to `flat` m."""
     points, owner = _corners(stones, blocks)
     distance = curved_coordinates(chart, points)[1]
-    off = np.abs(np.abs(distance) - 0.5 * thickness) > FLAT
+    off = np.abs(np.abs(distance) - 0.5 * thickness) > flat
     return np.bincount(owner, off, minlength=len(blocks)) == 0

@@ -8,24 +8,31 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Chart, CylinderChart, PlaneChart
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.recognition.curved_walls import curved_coordinates
+from churchpipe.stones.raggedness import STRAIGHT, Raggedness, face_lengths
 
 # Corners of a curved wall are rounded to this, m, so that the faces of a bent stone meet.
 ROUND = 12
 ON_FACE = 1e-4
 
 
-def elevations(stones: Assemblage, blocks: IntArray, chart: Chart, thickness: float) -> Polygons:
-    """Return the front of each of some stones (n,) of a wall, in chart coordinates."""
+def elevations(stones: Assemblage, blocks: IntArray, chart: Chart, thickness: float, ragged: Raggedness = STRAIGHT) -> Polygons:
+    """Return the front of each of some stones (n,) of a wall, in chart coordinates; ragged: how far corners lie off its faces."""
     _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    least, near = np.full(len(mean), 1 - 1e-6), ON_FACE
+    if ragged.counted > 0:
+        least = np.minimum(least, np.cos(ragged.turn(face_lengths(stones))))
+        near = max(ON_FACE, ragged.flat)
     found: list[Region] = []
     for block in blocks:
         faces = np.arange(*stones.block_face_ptr[block : block + 2])
         if isinstance(chart, PlaneChart):
-            faces = faces[normal[faces] @ np.cross(chart.s_axis, chart.t_axis) > 1 - 1e-6]
+            faces = faces[normal[faces] @ np.cross(chart.s_axis, chart.t_axis) > least[faces]]
             rings = [flat(chart, _corners(stones, int(face))) for face in faces]
         else:
             faces = faces[np.abs(normal[faces, 2]) < ON_FACE]
-            rings = [ring for face in faces for ring in _bent_front(chart, _corners(stones, int(face)), mean[face], thickness)]
+            rings = [
+                ring for face in faces for ring in _bent_front(chart, _corners(stones, int(face)), mean[face], thickness, near)
+            ]
         found.append(united([polygon(ring) for ring in rings]))
     return np.array(found, dtype=np.object_)
 
@@ -35,10 +42,10 @@ def flat(chart: PlaneChart, points: FloatArray) -> FloatArray:
     return np.stack([(points - chart.origin) @ chart.s_axis, points[:, 2] - chart.origin[2]], axis=1)
 
 
-def _bent_front(chart: CylinderChart, points: FloatArray, middle: FloatArray, thickness: float) -> list[FloatArray]:
-    """Return the ring of a face on the outside of a curved wall; none for any other face."""
+def _bent_front(chart: CylinderChart, points: FloatArray, middle: FloatArray, thickness: float, near: float) -> list[FloatArray]:
+    """Return the ring of a face on the outside of a curved wall, to `near` m; none for any other face."""
     ring, distance = curved_coordinates(chart, points)
-    if (np.abs(distance - 0.5 * thickness) > ON_FACE).any():
+    if (np.abs(distance - 0.5 * thickness) > near).any():
         return []
     # On a full circle a corner on the seam gets the s of the side on which its face lies.
     girth = 2 * np.pi * chart.radius

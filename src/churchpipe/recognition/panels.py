@@ -45,6 +45,7 @@ from churchpipe.recognition.supports import support_of
 from churchpipe.recognition.vaults import VAULT, fit_vaults
 from churchpipe.recognition.wall_parts import junction_spans, wall_parts
 from churchpipe.stones.mortar import with_mortar
+from churchpipe.stones.raggedness import raggedness
 
 # A single stone over an opening is a lintel if it is longer than this many stones of the wall.
 LINTEL = 1.25
@@ -126,8 +127,9 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
     if vaults:
         named = np.where(stones.fixed | (stones.panel != ""), stones.panel, VAULT)
         return FittedPanels((), supports, np.empty(0, dtype=np.str_), replace(stones, panel=named), vaults)
-    planes, unfit = stone_walls(stones, contact_gap)
-    straight, shift = straightened(stones, planes, unfit)
+    ragged = raggedness(stones)
+    planes, unfit = stone_walls(stones, contact_gap, ragged)
+    straight, shift = straightened(stones, planes, unfit, ragged)
     if shift.any():
         planes, unfit = stone_walls(straight, contact_gap)
     walls, loose = separate_walls(straight, planes, contact_gap)

@@ -15,14 +15,13 @@ from churchpipe.model.building import Chart, PlaneChart
 from churchpipe.recognition.curved_walls import curved_walls, points_of
 from churchpipe.recognition.elevations import elevations
 from churchpipe.recognition.wall_planes import (
-    FLAT,
     LEAST_LEAF,
     PLANE_TOLERANCE,
-    TURN,
     WallPlane,
     behind_one_another,
     wall_planes,
 )
+from churchpipe.stones.raggedness import STRAIGHT, TURN, Raggedness
 
 # Walls further from the origin than this, m, are sought beside it: rounded coordinates turn their planes about the origin.
 _FAR = 10.0
@@ -52,8 +51,10 @@ class Stretch:
     high: float
 
 
-def stone_walls(stones: Assemblage, contact_gap: float) -> tuple[list[StoneWall], IntArray]:
-    """Return the walls of an assemblage, and the free stones that fit none. contact_gap: how far apart stones of one may be, m.
+def stone_walls(stones: Assemblage, contact_gap: float, ragged: Raggedness = STRAIGHT) -> tuple[list[StoneWall], IntArray]:
+    """Return the walls of an assemblage, and the free stones that fit none.
+
+    contact_gap: how far apart stones of one may be, m. ragged: how far corners lie off their walls.
 
     Raises
     ------
@@ -62,19 +63,19 @@ def stone_walls(stones: Assemblage, contact_gap: float) -> tuple[list[StoneWall]
     far = np.append(np.rint(stones.points[:, :2].mean(axis=0)), 0.0)
     if np.abs(far).max() > _FAR:
         near = replace(stones, points=stones.points - far, centroid=stones.centroid - far)
-        walls, unfit = stone_walls(near, contact_gap)
+        walls, unfit = stone_walls(near, contact_gap, ragged)
         return [replace(wall, chart=_shifted(wall.chart, far)) for wall in walls], unfit
     base = float(stones.points[np.repeat(~stones.fixed, np.diff(stones.block_point_ptr))][:, 2].min())
-    curved = curved_walls(stones, base)
+    curved = curved_walls(stones, base, ragged)
     free = ~stones.fixed
     for wall in curved:
         free[wall.stones] = False
-    planes = wall_planes(stones, free)
-    _check_leaves(stones, [plane for plane in planes if not stones.panel[plane.stones[0]]], base, contact_gap)
-    walls = [_plane_wall(stones, group, base) for group in _joined(stones, planes, base, contact_gap)]
+    planes = wall_planes(stones, free, ragged)
+    _check_leaves(stones, [plane for plane in planes if not stones.panel[plane.stones[0]]], base, contact_gap, ragged)
+    walls = [_plane_wall(stones, group, base, ragged) for group in _joined(stones, planes, base, contact_gap, ragged)]
     for number, wall in enumerate(curved, start=1):
         name = wall.name or f"curved-wall-{number}"
-        shown = elevations(stones, wall.stones, wall.chart, wall.thickness)
+        shown = elevations(stones, wall.stones, wall.chart, wall.thickness, ragged)
         walls.append(StoneWall(name, wall.stones, np.full(len(wall.stones), name), shown, wall.chart, wall.thickness))
     walls.sort(key=lambda wall: wall.name)
     fitted = np.concatenate([wall.stones for wall in walls]) if walls else np.empty(0, dtype=np.int64)
@@ -103,25 +104,27 @@ def stretches(wall: StoneWall) -> list[Stretch]:
     return found
 
 
-def _check_leaves(stones: Assemblage, planes: Sequence[WallPlane], base: float, contact_gap: float) -> None:
+def _check_leaves(stones: Assemblage, planes: Sequence[WallPlane], base: float, contact_gap: float, ragged: Raggedness) -> None:
     """Raise InputError for two walls of stones without a name that lie against one another: leaves of one wall."""
     for one, other in permutations(planes, 2):
         apart = abs(one.offset - other.offset) - 0.5 * (one.thickness + other.thickness)
         if np.abs(one.normal - other.normal).max() > PLANE_TOLERANCE or abs(apart) > contact_gap:
             continue
         chart = _chart(stones, one, base)
-        first, second = (united(elevations(stones, wall.stones, chart, wall.thickness)) for wall in (one, other))
+        first, second = (united(elevations(stones, wall.stones, chart, wall.thickness, ragged)) for wall in (one, other))
         if area(common(first, second)) > LEAST_LEAF * area(first):
-            raise behind_one_another("stones without a panel name", len(one.stones), len(other.stones))
+            raise behind_one_another("stones without a panel name", len(one.stones), len(other.stones), ragged)
 
 
-def _joined(stones: Assemblage, planes: Sequence[WallPlane], base: float, contact_gap: float) -> list[list[WallPlane]]:
+def _joined(
+    stones: Assemblage, planes: Sequence[WallPlane], base: float, contact_gap: float, ragged: Raggedness
+) -> list[list[WallPlane]]:
     """Return plane walls that lie in one plane, are as thick and touch as one, that first which most others touch."""
     links = np.zeros((len(planes), len(planes)), dtype=np.bool_)
     for i, j in combinations(range(len(planes)), 2):
-        if _one_plane(stones, planes[i], planes[j]):
+        if _one_plane(stones, planes[i], planes[j], ragged):
             chart = _chart(stones, planes[i], base)
-            first, second = (united(elevations(stones, planes[k].stones, chart, planes[i].thickness)) for k in (i, j))
+            first, second = (united(elevations(stones, planes[k].stones, chart, planes[i].thickness, ragged)) for k in (i, j))
             links[i, j] = links[j, i] = within(first, second, contact_gap)
     label = components(len(planes), np.argwhere(links))
     volume = [float(stones.volume[p.stones].sum()) for p in planes]
@@ -129,19 +132,21 @@ def _joined(stones: Assemblage, planes: Sequence[WallPlane], base: float, contac
     return [[planes[int(k)] for k in rank if label[k] == number] for number in np.unique(label)]
 
 
-def _one_plane(stones: Assemblage, one: WallPlane, other: WallPlane) -> bool:
+def _one_plane(stones: Assemblage, one: WallPlane, other: WallPlane, ragged: Raggedness) -> bool:
     """Return whether the middles of the stones of either wall lie in the plane of the other, which is as thick."""
-    if np.abs(one.normal - other.normal).max() > TURN or abs(one.thickness - other.thickness) > PLANE_TOLERANCE:
+    if np.abs(one.normal - other.normal).max() > TURN or abs(one.thickness - other.thickness) > max(
+        PLANE_TOLERANCE, ragged.counted
+    ):
         return False
     # Their own planes are known where they stand.
     apart = [
         np.average(stones.centroid[wall.stones], axis=0, weights=stones.volume[wall.stones]) @ plane.normal - plane.offset
         for wall, plane in ((one, other), (other, one))
     ]
-    return float(np.abs(apart).max()) < FLAT
+    return float(np.abs(apart).max()) < ragged.flat
 
 
-def _plane_wall(stones: Assemblage, group: Sequence[WallPlane], base: float) -> StoneWall:
+def _plane_wall(stones: Assemblage, group: Sequence[WallPlane], base: float, ragged: Raggedness) -> StoneWall:
     main = group[0]
     own = np.concatenate([part.stones for part in group])
     tag = np.repeat([part.name for part in group], [len(part.stones) for part in group])
@@ -149,7 +154,7 @@ def _plane_wall(stones: Assemblage, group: Sequence[WallPlane], base: float) -> 
     own, tag = own[order], tag[order]
     whole = WallPlane(main.name, own, main.normal, main.offset, main.thickness)
     chart = _chart(stones, whole, base)
-    return StoneWall(main.name, own, tag, elevations(stones, own, chart, main.thickness), chart, main.thickness)
+    return StoneWall(main.name, own, tag, elevations(stones, own, chart, main.thickness, ragged), chart, main.thickness)
 
 
 def _chart(stones: Assemblage, wall: WallPlane, base: float) -> PlaneChart:

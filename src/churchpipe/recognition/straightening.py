@@ -19,7 +19,7 @@ from churchpipe.recognition.arcs import fitted_arc, off_circles
 from churchpipe.recognition.curved_walls import points_of
 from churchpipe.recognition.gathering import gathered
 from churchpipe.recognition.stone_walls import StoneWall
-from churchpipe.recognition.wall_planes import FLAT
+from churchpipe.stones.raggedness import STRAIGHT, Raggedness
 
 # Faces of walls less ragged than this, m, are straight: the computer rounds coordinates of a map to some nanometres.
 _STRAIGHT = 1e-8
@@ -29,7 +29,9 @@ _SPREAD = 4.0
 _LEFT = 0.5
 
 
-def straightened(stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray) -> tuple[Assemblage, FloatArray]:
+def straightened(
+    stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray, told: Raggedness = STRAIGHT
+) -> tuple[Assemblage, FloatArray]:
     """Return stones whose corners lie on straight lines in plan along and across their walls, or on the circles and joints of
     round ones, and how far each was moved.
 
@@ -45,6 +47,8 @@ def straightened(stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray
     unfit
         Stones that fit none. Those that reach from face to face of a wall are moved like its own: voussoirs, and stones below the
         slope of a gable, whose fronts rounding has bent.
+    told
+        How far corners lie off their walls, as the stones tell with which these were found.
 
     Returns
     -------
@@ -52,7 +56,7 @@ def straightened(stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray
         moved (nb,): the furthest that a corner of the stone was moved, m.
     """
     curved = [(wall, wall.chart) for wall in walls if isinstance(wall.chart, CylinderChart)]
-    fitted = [(wall, *_fitted(stones, wall, wall.chart)) for wall in walls if isinstance(wall.chart, PlaneChart)]
+    fitted = [(wall, *_fitted(stones, wall, wall.chart, told.flat)) for wall in walls if isinstance(wall.chart, PlaneChart)]
     plane = [(wall, chart) for wall, chart, _ in fitted]
     uneven = [ragged for _, _, ragged in fitted] + [off_circles(stones, wall, chart) for wall, chart in curved]
     ragged = max(uneven, default=0.0)
@@ -64,7 +68,9 @@ def straightened(stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray
     frames = _frames(plane, spread)
     arcs = [fitted_arc(stones, wall, chart, [axis for axis, _ in frames], spread) for wall, chart in curved]
     for number, (axis, group) in enumerate(frames):
-        blocks = [part for wall, chart in group for part in (wall.stones, unfit[_between_faces(stones, unfit, wall, chart)])]
+        blocks = [
+            part for wall, chart in group for part in (wall.stones, unfit[_between_faces(stones, unfit, wall, chart, told.flat)])
+        ]
         own = points_of(stones, np.unique(np.concatenate(blocks)))
         own = np.concatenate([own, *(arc.legs for arc in arcs if number in arc.frames)])
         for line in (axis, np.array([-axis[1], axis[0], 0.0])):
@@ -79,14 +85,14 @@ def straightened(stones: Assemblage, walls: Sequence[StoneWall], unfit: IntArray
     return replace(stones, points=points), np.where(moved < _STRAIGHT, 0.0, moved)
 
 
-def _fitted(stones: Assemblage, wall: StoneWall, chart: PlaneChart) -> tuple[PlaneChart, float]:
+def _fitted(stones: Assemblage, wall: StoneWall, chart: PlaneChart, flat: float) -> tuple[PlaneChart, float]:
     """Return the chart of a wall midway between its two faces, fitted to all corners on them, and how far these lie off the faces
     at most, m: stones that were not recognised as its own may have left it turned."""
     place = stones.points[points_of(stones, wall.stones)] - chart.origin
     normal = np.cross(chart.s_axis, chart.t_axis)
     apart = place @ normal
     off = np.abs(apart) - 0.5 * wall.thickness
-    near = np.abs(off) < FLAT
+    near = np.abs(off) < flat
     if np.abs(off[near]).max(initial=0.0) < _STRAIGHT:
         return chart, 0.0
     side, s = np.sign(apart[near]), place[near] @ chart.s_axis
@@ -103,11 +109,11 @@ def _off_faces(stones: Assemblage, blocks: IntArray, wall: StoneWall, chart: Pla
     return np.abs(apart - 0.5 * wall.thickness)
 
 
-def _between_faces(stones: Assemblage, blocks: IntArray, wall: StoneWall, chart: PlaneChart) -> BoolArray:
-    """Return which of some stones (n,) have all of their corners on the two faces of a wall, as far as rounding goes."""
+def _between_faces(stones: Assemblage, blocks: IntArray, wall: StoneWall, chart: PlaneChart, flat: float) -> BoolArray:
+    """Return which of some stones (n,) have all of their corners on the two faces of a wall, to `flat` m."""
     off = _off_faces(stones, blocks, wall, chart)
     start = np.cumsum(np.diff(stones.block_point_ptr)[blocks]) - np.diff(stones.block_point_ptr)[blocks]
-    return np.maximum.reduceat(off, start) < FLAT if len(blocks) else np.zeros(0, dtype=np.bool_)
+    return np.maximum.reduceat(off, start) < flat if len(blocks) else np.zeros(0, dtype=np.bool_)
 
 
 def _frames(

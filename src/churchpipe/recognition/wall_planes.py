@@ -10,12 +10,10 @@ from churchpipe.geometry.clusters import clusters
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
+from churchpipe.stones.raggedness import Raggedness, face_lengths
 
 # Faces whose normals or places differ by less than this are of one plane (rad, m).
 PLANE_TOLERANCE = 1e-4
-# Rounded coordinates turn the faces of a stone by up to this, rad, and move them by up to this, m: a drawing in millimetres with
-# one decimal has stones of .1 m whose faces turn by so much.
-TURN, FLAT = 2e-3, 5e-4
 # Normals that differ by less are equal but for the rounding of the computer.
 _EQUAL = 1e-9
 # Least number of stones of a wall.
@@ -37,8 +35,21 @@ class WallPlane:
     thickness: float
 
 
-def wall_planes(stones: Assemblage, free: BoolArray) -> list[WallPlane]:
-    """Return the plane walls among the stones marked in free (nb,).
+@dataclass(frozen=True, slots=True)
+class _Pairs:
+    """Pairs of opposite upright faces of a stone: the stone (n,); its plane (n, 4), which is normal x, y, offset and thickness;
+    the middle of both faces (n, 3) m; from the middle of one to that of the other in plan (n, 2) m; how far either may be turned
+    (n,), rad."""
+
+    stone: IntArray
+    plane: FloatArray
+    middle: FloatArray
+    across: FloatArray
+    turn: FloatArray
+
+
+def wall_planes(stones: Assemblage, free: BoolArray, ragged: Raggedness) -> list[WallPlane]:
+    """Return the plane walls among the stones marked in free (nb,); ragged: how far their corners lie off their walls.
 
     A stone lies across a plane that is midway between two of its upright faces. The stones of one panel name are one wall, in
     the plane that most of them, by volume, lie across. Of the stones without a name those across the plane with the largest
@@ -48,15 +59,16 @@ def wall_planes(stones: Assemblage, free: BoolArray) -> list[WallPlane]:
     ------
     InputError: stones of one name in two leaves.
     """
-    stone, plane, middle = _candidates(stones)
+    pairs = _candidates(stones, ragged)
+    stone, plane = pairs.stone, pairs.plane
     label = clusters(plane, PLANE_TOLERANCE) if len(plane) else np.empty(0, dtype=np.int64)
-    _level_rounded(plane, middle, stones.volume[stone], label)
+    _level_rounded(pairs, stones.volume[stone], label, ragged.flat)
     walls: list[WallPlane] = []
     for name in sorted(set(stones.panel[free].tolist()) - {""}):
         chosen = free[stone] & (stones.panel[stone] == name)
         wall = _heaviest(str(name), stones, stone, plane, label, chosen) if chosen.any() else None
         if wall:
-            _check_one_stone_thick(wall, stones, stone[chosen], plane[chosen])
+            _check_one_stone_thick(wall, stones, stone[chosen], plane[chosen], ragged)
         named = free & (stones.panel == name)
         if wall and stones.volume[wall.stones].sum() > LEAST_SHARE * stones.volume[named].sum():
             walls.append(wall)
@@ -70,47 +82,62 @@ def wall_planes(stones: Assemblage, free: BoolArray) -> list[WallPlane]:
     return walls
 
 
-def _check_one_stone_thick(wall: WallPlane, stones: Assemblage, stone: IntArray, plane: FloatArray) -> None:
+def _check_one_stone_thick(wall: WallPlane, stones: Assemblage, stone: IntArray, plane: FloatArray, ragged: Raggedness) -> None:
     """Raise InputError for stones in planes that overlap with that of their wall: leaves, tied by headers or not."""
     apart = np.abs(plane[:, 2] - wall.offset)
     side = np.abs(plane[:, :2] - wall.normal[:2]).max(axis=1) < PLANE_TOLERANCE
     near = side & (apart > PLANE_TOLERANCE) & (apart < 0.5 * (plane[:, 3] + wall.thickness) + PLANE_TOLERANCE)
     leaf = np.setdiff1d(stone[near], wall.stones)
     if stones.volume[leaf].sum() > LEAST_LEAF * stones.volume[wall.stones].sum():
-        raise behind_one_another(f"stones of {wall.name}", len(leaf), len(wall.stones))
+        raise behind_one_another(f"stones of {wall.name}", len(leaf), len(wall.stones), ragged)
 
 
-def behind_one_another(where: str, leaf: int, others: int) -> InputError:
-    """Return what to say of so many stones that lie behind others."""
+def behind_one_another(where: str, leaf: int, others: int, ragged: Raggedness) -> InputError:
+    """Return what to say of so many stones that lie behind others, or seem to since their corners are off."""
+    found = f"{leaf} stones in planes beside that of {others} others"
+    off = f"{1e3 * ragged.off:.2g} mm"
+    more = "export the drawing with more digits, or with its walls along x and y"
+    if ragged.too_much:
+        return InputError(
+            where,
+            "their faces are too ragged to tell which of them stand in one plane",
+            found=f"{found}; opposite sides are not parallel, as where rounded coordinates put corners up to {off} off",
+            expected=f"corners less than {1e3 * ragged.most:.2g} mm off",
+            remedy=f"{more.capitalize()}; or run the rigid blocks alone.",
+        )
+    if_not = f" If they do not, {more}: corners seem to be up to {off} off." if ragged.off > 0 else ""
     return InputError(
         where,
         "they lie behind one another, as in header-and-stretcher bond",
-        found=f"{leaf} stones in planes beside that of {others} others",
+        found=found,
         expected="walls one stone thick: drawn walls are taken for a shell of running bond",
-        remedy="Run the rigid blocks alone, or give each leaf a panel name of its own.",
+        remedy="Run the rigid blocks alone, or give each leaf a panel name of its own." + if_not,
     )
 
 
-def _level_rounded(plane: FloatArray, middle: FloatArray, weight: FloatArray, label: IntArray) -> None:
-    """Give planes (n, 4) of stones with rounded coordinates, that are one plane, one normal, offset and label (n,), in place.
+def _level_rounded(pairs: _Pairs, weight: FloatArray, label: IntArray, flat: float) -> None:
+    """Give planes of stones with rounded coordinates, that are one plane, one normal, offset and label (n,), in place.
 
-    middle (n, 3) m: of their two faces; weight (n,). A face that is turned by rounding says little of where its plane is away
-    from it: the middles do. Planes that are not one to `FLAT` all along stay as they are.
+    weight (n,). A face that is turned by rounding says little of where its plane is away from it, and of how thick the stone is
+    beside it: the middles do. Planes that are not one to `flat` m all along stay as they are.
     """
-    alike = clusters(plane[:, :2], TURN) if len(plane) else label
+    plane, middle = pairs.plane, pairs.middle[:, :2]
+    alike = clusters(plane[:, :2], float(np.median(pairs.turn))) if len(plane) else label
     for group in range(int(alike.max(initial=-1)) + 1):
         rows = np.flatnonzero(alike == group)
         if np.ptp(plane[rows, :2], axis=0).max() < _EQUAL:
             continue
         normal = weight[rows] @ plane[rows, :2]
-        offset = middle[rows, :2] @ (normal / np.hypot(*normal))
-        near = clusters(np.column_stack([offset, plane[rows, 3]]), FLAT)
+        normal = normal / np.hypot(*normal)
+        thickness = np.abs(pairs.across[rows] @ normal)
+        near = clusters(np.column_stack([middle[rows] @ normal, thickness]), flat)
         for number in range(int(near.max()) + 1):
             own = rows[near == number]
-            fitted = _fitted(plane[own], middle[own, :2], weight[own])
-            if np.ptp(middle[own, :2] @ fitted) <= FLAT and np.ptp(plane[own, 3]) <= 2 * FLAT:
-                plane[own, :2], plane[own, 2] = fitted, np.average(middle[own, :2] @ fitted, weights=weight[own])
-                plane[own, 3], label[own] = np.median(plane[own, 3]), label.max() + 1
+            fitted = _fitted(plane[own], middle[own], weight[own])
+            offset, thickness = middle[own] @ fitted, np.abs(pairs.across[own] @ fitted)
+            if np.ptp(offset) <= flat and np.ptp(thickness) <= 2 * flat:
+                plane[own, :2], plane[own, 2] = fitted, np.average(offset, weights=weight[own])
+                plane[own, 3], label[own] = np.median(thickness), label.max() + 1
 
 
 def _fitted(plane: FloatArray, middle: FloatArray, weight: FloatArray) -> FloatArray:
@@ -127,25 +154,36 @@ def _fitted(plane: FloatArray, middle: FloatArray, weight: FloatArray) -> FloatA
     return turned / np.hypot(*turned)
 
 
-def _candidates(stones: Assemblage) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Return all pairs of opposite upright faces: their stone (n,), their plane (n, 4), which is normal x, y, offset and
-    thickness, and the middle of both (n, 3) m."""
+def _candidates(stones: Assemblage, ragged: Raggedness) -> _Pairs:
+    """Return all pairs of opposite upright faces of the free stones."""
     _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    turn = ragged.turn(face_lengths(stones))
     owner: list[int] = []
     planes: list[FloatArray] = []
     middles: list[FloatArray] = []
+    across: list[FloatArray] = []
+    turns: list[float] = []
     for block in np.flatnonzero(~stones.fixed):
         faces = np.arange(*stones.block_face_ptr[block : block + 2])
         faces = faces[np.abs(normal[faces, 2]) < PLANE_TOLERANCE]
-        opposite = np.argwhere(np.triu(normal[faces] @ normal[faces].T < TURN**2 / 2 - 1))
+        most = np.maximum.outer(turn[faces], turn[faces])
+        opposite = np.argwhere(np.triu(normal[faces] @ normal[faces].T < most**2 / 2 - 1))
         for first, second in faces[opposite]:
             # The normal that points to +x, or to -y in walls along x: s then runs along +x or +y.
             n = normal[first] if outward(normal[first]) else normal[second]
             near, far = sorted((float(mean[first] @ n), float(mean[second] @ n)))
             planes.append(np.array([n[0], n[1], 0.5 * (near + far), far - near]))
             middles.append(0.5 * (mean[first] + mean[second]))
+            across.append((mean[second] - mean[first])[:2])
+            turns.append(float(max(turn[first], turn[second])))
             owner.append(int(block))
-    return np.array(owner, dtype=np.int64), np.array(planes).reshape(-1, 4), np.array(middles).reshape(-1, 3)
+    return _Pairs(
+        np.array(owner, dtype=np.int64),
+        np.array(planes).reshape(-1, 4),
+        np.array(middles).reshape(-1, 3),
+        np.array(across).reshape(-1, 2),
+        np.array(turns),
+    )
 
 
 def outward(normal: FloatArray) -> bool:
