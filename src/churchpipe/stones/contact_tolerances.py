@@ -89,6 +89,7 @@ def limits_of(
     overlap: float | None,
     least: FloatArray,
     exact: int,
+    ragged: float,
 ) -> Limits:
     """Return the tolerances that were given, and proposals for the others.
 
@@ -97,7 +98,8 @@ def limits_of(
     between the joints, however imprecise, and the gaps that are meant to be open. Angles are treated alike. No proposal exceeds
     half the thickness of the thinnest stone.
 
-    least (n,): area of the smaller facet of each overlap, m2.
+    least (n,): area of the smaller facet of each overlap, m2. ragged: how far corners lie off the faces of their walls, m; two
+    of them are up to twice that apart along the joints, which few joints show where most neighbours have their corners in common.
     """
     thickness = thicknesses(stones)
     typical, thinnest = typical_thickness(stones, thickness)
@@ -118,7 +120,7 @@ def limits_of(
             given=tuple(name for name, value in given.items() if value is not None),
         ),
         middle=widest if contact_gap is None else np.inf,
-        noise=max(_noise(meets, exact, NOISIEST * typical), LEAST_NOISE * typical),
+        noise=max(_noise(meets, exact, NOISIEST * typical), min(2.0 * ragged, NOISIEST * typical), LEAST_NOISE * typical),
         thickness=thickness,
         typical=typical,
     )

@@ -16,6 +16,7 @@ from churchpipe.stones.facets import Facets, facets_of, perimeters
 from churchpipe.stones.facing import Overlaps, facing
 from churchpipe.stones.interfaces import Interfaces, chosen, contacts_of, joined
 from churchpipe.stones.near_misses import near_misses
+from churchpipe.stones.raggedness import raggedness
 
 # A facet is covered when its exact joints leave no more than this share of its area free.
 COVERED = 1e-6
@@ -79,7 +80,8 @@ def find_contacts(
     open_facets = covered < (1.0 - COVERED) * facets.area
     found = facing(facets, open_facets, search_reach(stones, contact_gap, overlap), contact_angle or MOST_ANGLE)
     found = found[~np.isin(_pair(facets, found.side), _pair(facets, exact.side[sure]))]
-    limits = limits_of(stones, found, contact_gap, contact_angle, overlap, facets.area[found.side].min(axis=1), int(sure.sum()))
+    least, ragged = facets.area[found.side].min(axis=1), raggedness(stones).off
+    limits = limits_of(stones, found, contact_gap, contact_angle, overlap, least, int(sure.sum()), ragged)
     narrowest = max(limits.noise, least_width)
     wide = _wide_enough(facets, found.side, widths(found.polygon), narrowest)
     found = found[_meet(facets, found, limits) & wide]

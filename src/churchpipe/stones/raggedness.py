@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import FloatArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.stones.contact_tolerances import thicknesses, typical_thickness
@@ -70,17 +70,17 @@ def raggedness(stones: Assemblage) -> Raggedness:
     """
     _, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     length = face_lengths(stones)
-    missed_by = np.full(stones.count, np.nan)
-    for block in np.flatnonzero(~stones.fixed):
-        faces = np.arange(*stones.block_face_ptr[block : block + 2])
-        faces = faces[np.abs(normal[faces, 2]) < _UPRIGHT]
-        cosine = normal[faces] @ normal[faces].T
-        sine = np.abs(np.cross(normal[faces][:, None], normal[faces][None])[:, :, 2])
-        missed = np.where(cosine < -np.cos(_WEDGE), sine * np.minimum.outer(length[faces], length[faces]), np.inf)
-        least = missed.min(axis=1, initial=np.inf)
-        least = least[least < np.inf]
-        if len(least):
-            missed_by[block] = least.min()
+    block = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
+    upright = np.flatnonzero((np.abs(normal[:, 2]) < _UPRIGHT) & ~stones.fixed[block])
+    of_block = np.bincount(block[upright], minlength=stones.count)
+    count = of_block[block[upright]]
+    one = np.repeat(upright, count)
+    other = upright[ragged_indices((np.cumsum(of_block) - of_block)[block[upright]], count)]
+    opposite = np.einsum("pc,pc->p", normal[one], normal[other]) < -np.cos(_WEDGE)
+    one, other = one[opposite], other[opposite]
+    sine = np.abs(normal[one, 0] * normal[other, 1] - normal[one, 1] * normal[other, 0])
+    missed_by = np.full(stones.count, np.inf)
+    np.minimum.at(missed_by, block[one], sine * np.minimum(length[one], length[other]))
     # Of a round wall rounding shows at any angle, of the plane ones beside it not along the axes.
     told = np.zeros(stones.count, dtype=np.bool_)
     for name in np.unique(stones.panel):
