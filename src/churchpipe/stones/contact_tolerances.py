@@ -99,13 +99,17 @@ def limits_of(
     half the thickness of the thinnest stone.
 
     least (n,): area of the smaller facet of each overlap, m2. ragged: how far corners lie off the faces of their walls, m; two
-    of them are up to twice that apart along the joints, which few joints show where most neighbours have their corners in common.
+    of them are up to twice that apart, across the joints and along them, which few joints show where most neighbours have their
+    corners in common.
     """
     thickness = thicknesses(stones)
     typical, thinnest = typical_thickness(stones, thickness)
     widest = min(WIDEST * typical, 0.5 * thinnest)
     telling = found[(found.area > TELLING_SHARE * least) & (found.angle <= MOST_ANGLE) & (found.penetration <= TOUCHING)]
-    gap = _proposed(telling.opening, TOUCHING, min(HAIRLINE * typical, widest), widest) if contact_gap is None else contact_gap
+    hairline = min(HAIRLINE * typical, widest)
+    gap = _proposed(telling.opening, TOUCHING, hairline, widest) if contact_gap is None else contact_gap
+    if contact_gap is None:
+        gap = max(gap, min(2.0 * ragged, hairline))
     near = telling[telling.opening <= gap + TOUCHING]
     angle = contact_angle or max(_proposed(near.angle, 1e-5, LEAST_ANGLE, MOST_ANGLE), LEAST_ANGLE)
     given = {"contact_gap": contact_gap, "contact_angle": contact_angle, "overlap": overlap}
