@@ -264,6 +264,18 @@ def test_the_church_has_its_shell_turned_and_rounded_to_a_tenth_of_a_millimetre(
     assert match.passed
 
 
+@TURNED
+def test_the_church_has_its_shell_along_the_axes_rounded_to_a_millimetre() -> None:
+    """The sides of stones of its apse are ragged, which are few of all."""
+    exact_stones = derive_blocks(read_case(pipeline_folder() / "cases" / "church.toml").building())
+    fitted = fit_panels(turned(exact_stones, 0.0, 3))
+    assert not len(fitted.unfit)
+    assert 0.1 * ROUNDED[3] < fitted.moved["apse"] < ROUNDED[3]
+    assert max(fitted.moved.values()) < ROUNDED[3]
+    match = match_models(fitted.stones, cp.find_contacts(fitted.stones), cp.derive_shell(fitted.building(), 0.6))
+    assert match.passed
+
+
 @pytest.mark.parametrize("plan", ["box", "wall with an apse"])
 @pytest.mark.parametrize("degrees", [0.0, 33.0])
 def test_exact_coordinates_stay(plan, degrees) -> None:
