@@ -15,6 +15,7 @@ from churchpipe.geometry.planar import (
     Region,
     all_coordinates,
     area,
+    areas,
     bounds,
     boxes,
     centroids,
@@ -51,6 +52,8 @@ from churchpipe.stones.raggedness import raggedness
 LINTEL = 1.25
 # A hole smaller than this part of a stone is a gap between corners, such as mortar where three stones meet, and no opening.
 LEAST_OPENING = 0.02
+# A front that fills this share of the rectangle around it is a rectangle, but for the rounding of its corners.
+WHOLE = 0.95
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,6 +249,10 @@ def _common(values: FloatArray, weights: FloatArray) -> float:
 
 def _cell(elevations: Polygons, volume: FloatArray) -> UnitCell:
     low_s, low_t, high_s, high_t = bounds(elevations).T
+    # A stone that the slope of a gable cuts is lower than its course, if only by a hair.
+    whole = areas(elevations) > WHOLE * (high_s - low_s) * (high_t - low_t)
+    if whole.any():
+        volume = np.where(whole, volume, 0.0)
     return UnitCell(a=_common(high_t - low_t, volume), b=_common(high_s - low_s, volume))
 
 
