@@ -15,7 +15,6 @@ from churchpipe.geometry.planar import (
     Region,
     all_coordinates,
     area,
-    areas,
     bounds,
     boxes,
     centroids,
@@ -37,6 +36,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, Opening, Panel, Part, Support, UnitCell
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.vault import Vault
+from churchpipe.recognition.courses import courses_of, unit_cells
 from churchpipe.recognition.rings import voussoir_rings
 from churchpipe.recognition.separate_walls import GRID, closed, filled, separate_walls
 from churchpipe.recognition.squaring import squared
@@ -48,12 +48,12 @@ from churchpipe.recognition.wall_parts import junction_spans, wall_parts
 from churchpipe.stones.mortar import with_mortar
 from churchpipe.stones.raggedness import raggedness
 
+# Arches of a wall, and which of its stones are their voussoirs.
+Ring = tuple[list[BondRegion], IntArray]
 # A single stone over an opening is a lintel if it is longer than this many stones of the wall.
 LINTEL = 1.25
 # A hole smaller than this part of a stone is a gap between corners, such as mortar where three stones meet, and no opening.
 LEAST_OPENING = 0.02
-# A front that fills this share of the rectangle around it is a rectangle, but for the rounding of its corners.
-WHOLE = 0.95
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +144,10 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
             expected="stones with two upright parallel faces",
             remedy="Tag the stones of each wall with PANEL, or run the rigid blocks alone.",
         )
-    panels, squaring = squared([_panel(straight, wall, walls, contact_gap, 2 * float(shift.max())) for wall in walls])
+    rings = [voussoir_rings(wall.elevations, contact_gap) for wall in walls]
+    cells, bent = _cells(straight, walls, rings), 2 * float(shift.max())
+    laid = [_panel(straight, wall, walls, contact_gap, bent, *own) for wall, *own in zip(walls, rings, cells, strict=True)]
+    panels, squaring = squared(laid)
     moved = {wall.name: float(shift[wall.stones].max()) + squaring.get(wall.name, 0.0) for wall in walls}
     moved = {name: by for name, by in moved.items() if by > 0}
     known = [name for wall in walls for name in np.unique(wall.tag)]
@@ -167,17 +170,34 @@ def wall_names(stones: Assemblage, joint: float | None) -> NameArray:
         return stones.panel
 
 
-def _panel(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], contact_gap: float, bent: float) -> Panel:
-    """Return the panel of a wall; bent: how far rounded coordinates may bend a slope of its outline, m, 0 where none are."""
+def _cells(stones: Assemblage, walls: Sequence[StoneWall], rings: Sequence[Ring]) -> list[UnitCell]:
+    """Return the unit cell of each wall; that of its arch where it has no other stones."""
+    laid = [np.setdiff1d(np.arange(len(wall.elevations)), ring[1]) for wall, ring in zip(walls, rings, strict=True)]
+    known = [k for k, own in enumerate(laid) if len(own)]
+    found = unit_cells([courses_of(walls[k].elevations[laid[k]], stones.volume[walls[k].stones[laid[k]]]) for k in known])
+    cells = dict(zip(known, found, strict=True))
+    return [cells[k] if k in cells else ring[0][0].cell for k, ring in enumerate(rings)]
+
+
+def _panel(
+    stones: Assemblage,
+    wall: StoneWall,
+    walls: Sequence[StoneWall],
+    contact_gap: float,
+    bent: float,
+    ring: Ring,
+    cell: UnitCell,
+) -> Panel:
+    """Return the panel of a wall with its arches and their stones; bent: how far rounded coordinates may bend a slope of its
+    outline, m, 0 where none are."""
     own = wall.elevations
     sections = filled(stones, wall, walls, contact_gap)
     region = max(closed(sections, contact_gap), key=lambda part: float(common_areas(own, part).sum()))
     whole, openings = _openings(region)
     if bent:
         whole = simplified(whole, bent)
-    arches, voussoirs = voussoir_rings(own, contact_gap)
+    arches, voussoirs = ring
     laid = np.setdiff1d(np.arange(len(own)), voussoirs)
-    cell = _cell(own[laid], stones.volume[wall.stones[laid]]) if len(laid) else arches[0].cell
     openings = [hole for hole in openings if area(hole) > LEAST_OPENING * cell.a * cell.b]
     marks = all_coordinates(sections)
     outline = _outline(whole, marks)
@@ -237,23 +257,6 @@ def _outline(region: Region, marks: FloatArray) -> FloatArray:
     outline = corners(np.array([region], dtype=np.object_))[0]
     apart, nearest = cKDTree(marks).query(outline)
     return np.where(np.asarray(apart)[:, None] < 2 * GRID, marks[nearest], outline)
-
-
-def _common(values: FloatArray, weights: FloatArray) -> float:
-    """Return the value that has most weight, to the micrometre; values that differ by less than two per cent are taken as one."""
-    order = np.argsort(values)
-    group = np.concatenate([[0], np.cumsum(np.diff(values[order]) > 0.02 * values[order][:-1])])
-    best = group == np.argmax(np.bincount(group, weights[order]))
-    return round(float(np.average(values[order][best], weights=weights[order][best])), 6)
-
-
-def _cell(elevations: Polygons, volume: FloatArray) -> UnitCell:
-    low_s, low_t, high_s, high_t = bounds(elevations).T
-    # A stone that the slope of a gable cuts is lower than its course, if only by a hair.
-    whole = areas(elevations) > WHOLE * (high_s - low_s) * (high_t - low_t)
-    if whole.any():
-        volume = np.where(whole, volume, 0.0)
-    return UnitCell(a=_common(high_t - low_t, volume), b=_common(high_s - low_s, volume))
 
 
 def _lintels(elevations: Polygons, openings: Sequence[Region], cell: UnitCell) -> list[BondRegion]:

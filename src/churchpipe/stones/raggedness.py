@@ -7,7 +7,6 @@ import numpy as np
 from churchpipe.model.arrays import FloatArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
-from churchpipe.stones.contact_tolerances import thicknesses, typical_thickness
 
 # Rounded coordinates turn the faces of a stone by up to this, rad, and move them by up to this, m: a drawing in millimetres with
 # one decimal has stones of .1 m whose faces turn by so much. What is rounded less is treated as if it were rounded so.
@@ -18,8 +17,8 @@ _TELLING = 0.02
 _WEDGE = 0.1
 # Mean square of the smaller one of two values, normally distributed, over that of either.
 _SMALLER = 1 - 2 / np.pi
-# Corners may be off by this share of the thickness of the median stone. A wall whose corners are off so far on both faces is as
-# thick as its stones only to twice that, which is what the match gate allows.
+# Corners may be off by this share of the thickness of the median stone in plan. A wall whose corners are off so far on both
+# faces is as thick as its stones only to twice that, which is what the match gate allows.
 _MOST = 0.01
 # Fewer stones of a wall than this share are ragged because each was drawn so.
 _SHARE = 0.1
@@ -68,7 +67,7 @@ def raggedness(stones: Assemblage) -> Raggedness:
     corner by 6 ** .5 s. Only stones without any parallel pair tell, and of each the pair that misses less: the ends of a stone
     cut to a large circle are not parallel by design.
     """
-    _, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     length = face_lengths(stones)
     block = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
     upright = np.flatnonzero((np.abs(normal[:, 2]) < _UPRIGHT) & ~stones.fixed[block])
@@ -89,7 +88,10 @@ def raggedness(stones: Assemblage) -> Raggedness:
         told[ragged] = len(ragged) > _SHARE * len(own)
     if not told.any():
         return STRAIGHT
-    typical, _ = typical_thickness(stones, thicknesses(stones))
+    # A wall is as thick as its stones are in plan, however low its courses are.
+    thickness = np.full(stones.count, np.inf)
+    np.minimum.at(thickness, block[one], np.abs(np.einsum("pc,pc->p", mean[other] - mean[one], normal[one])))
+    typical = float(np.median(thickness[np.isfinite(thickness)]))
     return Raggedness(0.5 * float(np.sqrt(6.0 / _SMALLER * np.mean(np.square(missed_by[told])))), _MOST * typical)
 
 

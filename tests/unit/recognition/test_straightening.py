@@ -183,6 +183,22 @@ def test_walls_rounded_to_a_millimetre_have_the_shell_of_those_along_the_axes(pl
     check_turned(plan, degrees, 3)
 
 
+@pytest.mark.parametrize(("courses", "number", "degrees", "digits"), [(12.0, 17, 0.0, 4), (14.0, 22, 17.0, 3), (3.7, 8, 17.0, 3)])
+def test_courses_line_up_whose_height_has_more_digits_than_the_file(courses, number, degrees, digits) -> None:
+    """So many courses a metre, one wall three courses lower than the other."""
+    walls: list[dict[str, Any]] = [
+        {"name": "south", "start": (0, 0), "end": (3, 0), "toward": "+y"},
+        {"name": "west", "start": (0, 0), "end": (0, 2.5), "toward": "+x", "height": (number - 3) / courses},
+    ]
+    sizes = {"course": 1 / courses, "stone_length": 0.3, "height": number / courses, "thickness": 0.25}
+    stones = derive_blocks(house(walls=walls, materials=(TUFF,), **sizes))
+    shell, match, _ = fitted_shell(turned(stones, degrees, digits))
+    assert match.passed, [figure for figure in match.figures if not figure.passed]
+    (course,) = np.unique(shell.unit_cells[:, 0])
+    # The top is rounded as well, by half a digit.
+    assert course == pytest.approx(1 / courses, abs=10.0**-digits / (number - 3))
+
+
 def check_turned(plan: str, degrees: float, digits: int) -> None:
     expected = exact(plan)
     shell, match, by = fitted_shell(turned(laid(plan), degrees, digits))
