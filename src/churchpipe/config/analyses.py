@@ -47,7 +47,9 @@ def _even(value: int) -> int:
 class CurveSettings:
     """The capacity curve of the stones at large displacements, of each load: see `churchpipe.block_pushover`."""
 
-    step: Annotated[_Way | None, "Largest displacement of a step; by default a tenth of the thinnest stone that moves."] = None
+    step: Annotated[
+        _Way | None, "Largest displacement of a step; by default a tenth of the median thickness of the stones that move."
+    ] = None
     steps: Annotated[Count, "Most steps."] = 400
     furthest: Annotated[_Way | None, "Displacement of a stone at which the curve ends."] = None
     control: Annotated[Place | None, "Point that the curve follows; by default the mean of what is pushed."] = None
@@ -113,7 +115,9 @@ class MovementSettings:
     about: Annotated[Place | None, "A point of the axis about which the support turns; left out: it moves along."] = None
     furthest: Annotated[_Way | None, "Movement at which to stop; left out: at collapse."] = None
     furthest_angle: Annotated[float | None, _FURTHEST, "Where it turns, likewise."] = None
-    step: Annotated[_Way | None, "Largest displacement of a step; by default a tenth of the thinnest stone."] = None
+    step: Annotated[_Way | None, "Largest displacement of a step; by default a tenth of the median thickness of the stones."] = (
+        None
+    )
     steps: Annotated[Count, "Most steps."] = 200
     halo: Annotated[Whole, "Contacts from a moving stone to those held still; 0 holds none."] = HALO
 

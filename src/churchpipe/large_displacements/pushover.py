@@ -97,7 +97,7 @@ def block_pushover(
         Pa, a number or one an interface (ni,), infinite for joints that do not crush; None: none does. Each joint is pressed
         in a part of the rectangle within it, and sinks in where its strength is used up.
     step
-        Largest displacement of a step, m; None: a tenth of the thinnest side of the stones that move.
+        Largest displacement of a step, m; None: a tenth of the median thickness of the stones that move.
     steps
         Where to stop, after so many steps.
     furthest

@@ -63,7 +63,7 @@ def settlement_path(
     stones, contacts, support, direction, friction, about, dead, contact_model, compressive_strength, solver
         As in `settlement_analysis`.
     step
-        Largest displacement of a step, m; None: a tenth of the thinnest side of the stones.
+        Largest displacement of a step, m; None: a tenth of the median thickness of the stones.
     halo
         Contacts from a moving stone to those held still, as in `block_pushover`; 0: no stone is held.
     steps
