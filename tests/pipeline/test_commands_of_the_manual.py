@@ -91,8 +91,8 @@ FILES: dict[str, dict[str, Maker]] = {
     "tutorial.md": {"nave.toml": nave},
 }
 WITH_COMMANDS = [page for page in PAGES if commands(page)]
-LONG_PAGES = {"run_folder.md", "strengthening.md", "tutorial.md"}
-LONG = pytest.mark.slow("docs/: commands of the pages that check or lay a building with each of them")
+LONG_PAGES = {"README.md", "run_folder.md", "strengthening.md", "tutorial.md"}
+LONG = pytest.mark.slow("README.md, docs/: commands of the pages that check or lay a building with each of them")
 
 
 def folder_of(page: Path, tmp_path: Path) -> None:

@@ -264,6 +264,7 @@ def test_dates_alone_change_nothing(pristine: Copy) -> None:
     assert pristine.stale() == {}
 
 
+@pytest.mark.slow
 def test_a_new_friction_reruns_the_solves_alone(pristine: Copy) -> None:
     assert pristine.stale("material.default.friction=0.5") == {"rigid": 2, **RESULTS}
     assert pristine.stale("rigid.start=uniform") == {"rigid": 1, **RESULTS}
@@ -461,6 +462,7 @@ def test_bad_input_found_before_is_1_and_leaves_nothing(change: str, said: str, 
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.slow
 def test_a_structure_that_falls_is_3_with_its_report(pristine: Copy, tmp_path: Path) -> None:
     (tmp_path / "arch.toml").write_text(
         'name="arch"\n[source]\ngenerator="arch"\nmean_radius_m=1\nthickness_m=0.2\nwidth_m=1\nvoussoirs=7\n'

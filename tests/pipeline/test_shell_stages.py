@@ -209,6 +209,7 @@ material = "concrete"
     assert summary["guidance"][0].startswith(f"Load +y: use {careful:.4f}")
 
 
+@pytest.mark.slow
 def test_a_sweep_of_meshes_is_reported_side_by_side_with_the_stones(case: Path) -> None:
     summary = make(case, 'sweep={"shell.element_size_mm"=[600,400]}')
     assert [mesh["element_size_mm"] for mesh in summary["shells"].values()] == [600, 400]
@@ -374,6 +375,7 @@ def test_planes_of_the_paper_say_that_they_are_too_strong(case: Path) -> None:
         assert [row["planes"] for row in csv.DictReader(file)] == ["", "paper"]
 
 
+@pytest.mark.slow
 def test_the_check_and_the_macro_elements_are_in_the_summary_and_the_report(tmp_path: Path) -> None:
     path = tmp_path / "box.toml"
     path.write_text(

@@ -124,6 +124,7 @@ def test_a_stage_that_outlives_its_engine_holds_the_lock_of_the_run(threads: str
     assert own == (threads != call_standby.THREADS)
 
 
+@pytest.mark.slow
 def test_what_stands_by_has_the_modules_that_the_stages_need_and_no_threads() -> None:
     code = """
 import importlib, os, sys

@@ -32,6 +32,7 @@ def test_load_factor(thickness: float, friction: float, expected: float) -> None
     assert state.upper_bound - state.lower_bound <= 1e-6 * state.load_factor
 
 
+@pytest.mark.slow
 def test_minimum_thickness_of_the_semicircle() -> None:
     # At the exact minimum the feasible set has no interior: alpha(t) is extrapolated to zero instead.
     thickness = np.array([0.109, 0.1105, 0.112])

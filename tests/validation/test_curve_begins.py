@@ -40,7 +40,8 @@ def test_of_a_box_of_stones_that_crush() -> None:
     assert curve.load_factor[0] == pytest.approx(sliding.load_factor, rel=2e-3)
 
 
-@pytest.mark.parametrize("seed", [1, pytest.param(4, marks=SLOW), pytest.param(13, marks=SLOW)])
+@SLOW
+@pytest.mark.parametrize("seed", [1, 4, 13])
 def test_of_a_large_model_whose_analysis_is_known(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(moving_model, "PATH", replace(moving_model.PATH, large=10))
     stones, contacts, friction, load = random_corner(seed)

@@ -106,6 +106,7 @@ def test_a_drawing_keeps_its_butt_joints(tmp_path) -> None:
     assert (cp.find_contacts(read).kind == contacts.kind).all()
 
 
+@pytest.mark.slow
 def test_the_shell_has_butt_joints_and_cracks() -> None:
     found = {}
     for name, junction in (("toothed", {}), ("butt", {"every": 0}), ("cracked", {"every": 2, "cracked": (2.0, EAVES)})):

@@ -40,6 +40,7 @@ def test_wall_that_turns_about_crushed_masonry(strength: float) -> None:
     assert fine.load_factor - 1.5 * (coarse.load_factor - fine.load_factor) == pytest.approx(exact, rel=0.01)
 
 
+@pytest.mark.slow
 def test_capacity_curve_ends_at_the_limit_load() -> None:
     shell = mesh(1.0)
     state, curve = cp.shell_limit_analysis(shell, PUSH, masonry(MPA)), cp.pushover(shell, PUSH, masonry(MPA))

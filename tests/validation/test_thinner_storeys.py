@@ -109,9 +109,8 @@ def test_the_shell_turns_about_the_same_edges(flush: bool, way: int) -> None:
     assert found / spread == pytest.approx(turns_at(below, above, way, flush=flush), rel=0.005)
 
 
-@pytest.mark.parametrize(
-    ("where", "load", "aside", "level"), [("a", 10e3, 0.225, 3.0), pytest.param("a storey 2", 1e3, 0.0, 6.0, marks=MORE)]
-)
+@MORE
+@pytest.mark.parametrize(("where", "load", "aside", "level"), [("a", 10e3, 0.225, 3.0), ("a storey 2", 1e3, 0.0, 6.0)])
 def test_a_floor_on_the_offset_and_a_roof_on_the_top(where: str, load: float, aside: float, level: float) -> None:
     # Both lie on the top of their storey, which needs no height: the floor in the middle of the offset of 0.15 m, 0.225 m from
     # the middle of the wall below; the roof in the middle of the thin wall.

@@ -149,6 +149,7 @@ def least_radial_thrust(thickness: float) -> float:
     return 3 - cp.limit_analysis(stones, contacts, cp.LoadCase(dead=-3 * push, live=push), friction).load_factor
 
 
+@pytest.mark.slow
 def test_least_thrust_of_a_hemisphere() -> None:
     # Lau (2006, abstract) estimates the least thrust of a spherical dome, over its weight, by -.583 a + 1.123, a in rad being
     # half its angle: .207. The abstract names no thickness. Ours by thickness, by no other code:

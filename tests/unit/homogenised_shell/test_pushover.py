@@ -110,6 +110,7 @@ def test_plastic_strain_is_the_flow_of_the_planes() -> None:
     np.testing.assert_allclose(flow, curve.plastic, atol=1e-5 * np.abs(curve.plastic).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("planes", ["paper", "cell"])
 def test_a_step_agrees_with_its_statement_in_cvxpy(planes: Planes) -> None:
     model = wall(3)

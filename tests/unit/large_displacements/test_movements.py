@@ -93,6 +93,7 @@ def staged(tmp_path: Path, lines: str) -> Path:
     return out
 
 
+@pytest.mark.slow
 def test_the_stage_its_record_and_the_report(tmp_path: Path) -> None:
     run = read_run(staged(tmp_path, CORNER) / "plan.json")
     (record,) = run.movements()

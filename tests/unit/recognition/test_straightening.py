@@ -246,19 +246,20 @@ def test_walls_of_several_lengths_have_their_shell_at_other_angles(degrees, digi
     assert shell.weight.sum() == pytest.approx(stones.weight.sum(), rel=1e-4)
 
 
+@TURNED
 @pytest.mark.parametrize(
     ("plan", "degrees", "digits"),
     [
         ("T", 17.0, 4),
-        pytest.param("T", 33.0, 3, marks=TURNED),
-        pytest.param("box", 17.0, 3, marks=TURNED),
-        pytest.param("wall with an apse", 61.0, 3, marks=TURNED),
-        pytest.param("L", 17.0, 5, marks=TURNED),
-        pytest.param("box", 33.0, 4, marks=TURNED),
-        pytest.param("box with a cross wall", 33.0, 4, marks=TURNED),
-        pytest.param("wall with an apse", 17.0, 4, marks=TURNED),
-        pytest.param("wall with an apse", 0.0, 5, marks=TURNED),
-        pytest.param("wall as wide as its apse", 33.0, 4, marks=TURNED),
+        ("T", 33.0, 3),
+        ("box", 17.0, 3),
+        ("wall with an apse", 61.0, 3),
+        ("L", 17.0, 5),
+        ("box", 33.0, 4),
+        ("box with a cross wall", 33.0, 4),
+        ("wall with an apse", 17.0, 4),
+        ("wall with an apse", 0.0, 5),
+        ("wall as wide as its apse", 33.0, 4),
     ],
 )
 def test_their_limit_load_is_that_of_those_along_the_axes(plan, degrees, digits) -> None:

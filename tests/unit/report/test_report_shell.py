@@ -195,6 +195,7 @@ def test_the_gate_says_what_mid_surfaces_come_to(overlap: str, told: str) -> Non
     assert told in " ".join(template("match.html").render(match={**match, "junction_overlap": overlap}).split())
 
 
+@pytest.mark.slow
 def test_the_plot_of_the_domain_names_its_axes() -> None:
     text = re.sub("<[^>]*>", " ", domain_svg(0.03, 0.08, 0.04, 0.7))
     # What has no strength is drawn to the scale of the compression, not to that of its rounding.
