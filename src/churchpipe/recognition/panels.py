@@ -146,7 +146,9 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
         )
     rings = [voussoir_rings(wall.elevations, contact_gap) for wall in walls]
     cells, bent = _cells(straight, walls, rings), 2 * float(shift.max())
-    laid = [_panel(straight, wall, walls, contact_gap, bent, *own) for wall, *own in zip(walls, rings, cells, strict=True)]
+    laid = [
+        _panel(straight, wall, walls, contact_gap, bent, ring, cell) for wall, ring, cell in zip(walls, rings, cells, strict=True)
+    ]
     panels, squaring = squared(laid)
     moved = {wall.name: float(shift[wall.stones].max()) + squaring.get(wall.name, 0.0) for wall in walls}
     moved = {name: by for name, by in moved.items() if by > 0}

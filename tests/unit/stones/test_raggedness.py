@@ -67,3 +67,8 @@ def test_corners_may_be_off_by_a_hundredth_of_the_thickness() -> None:
     coarse = raggedness(turned(built(), 33.0, 1e-2))
     assert coarse.too_much
     assert coarse.flat == STRAIGHT.flat
+
+
+def test_low_courses_are_as_thick_as_their_wall() -> None:
+    low = prototype(brick=(0.5, 0.25, 0.05), partitions_x=[0.0], partition_length=3.0, courses=4, main_wall_length=4.0)
+    assert raggedness(turned(derive_blocks(low), 33.0, 1e-3)).most == pytest.approx(0.01 * 0.25, rel=0.01)
