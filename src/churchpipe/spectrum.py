@@ -158,7 +158,10 @@ class StoreySpectrum:
         positive("StoreySpectrum.peak", self.peak, allow_zero=True)
 
     def acceleration(self, period: float, ground: float, damping: float) -> float:
-        """Return S_eZ, m/s2, at a period, s, for a ground acceleration a_g, m/s2, and a damping in percent [C7.2.7]."""
+        """Return S_eZ, m/s2, at a period, s, for a ground acceleration a_g, m/s2, and a damping in percent [C7.2.7].
+
+        Written from memory of that equation: compare it with the text before use.
+        """
         low, high = _SHORTER * self.first_period, _LONGER * self.first_period
         # Here the building's damping is a share and no percentage: a part in tune with it is shaken some five times as hard.
         most = max(1.1 * (self.damping / 100) ** -0.5 * damping_factor(damping), 1.0)

@@ -47,7 +47,7 @@ class PathSettings:
 
     Length of a step:
         step, reach: largest displacement of a step, and how far apart points may be that can still come to bear, over the
-        thinnest side of the stones that move. turn: largest rotation, rad. right: a length that is right within this factor is
+        median thickness of the stones that move. turn: largest rotation, rad. right: a length that is right within this factor is
         kept; shortest: one shorter than this share of the largest ends the path. least_charge: a step may charge its gaps as if
         it were this much shorter than the last one, however short it is then: where a few stones run ahead of all others, every
         sliding joint would else count as open. snapping: nor as if it were shorter than this share of the largest, m per unit of
