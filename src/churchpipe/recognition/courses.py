@@ -11,7 +11,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.building import UnitCell
 
 # A front that fills this share of the rectangle around it is a rectangle, but for the rounding of its corners.
-WHOLE = 0.95
+_WHOLE = 0.95
 # Sizes that differ by less than this share are one, drawn with little care.
 _ALIKE = 0.02
 
@@ -33,7 +33,7 @@ def courses_of(elevations: Polygons, volume: FloatArray) -> Courses:
     low_s, low_t, high_s, high_t = bounds(elevations).T
     height, length = high_t - low_t, high_s - low_s
     # A stone that the slope of a gable cuts is lower than its course, if only by a hair.
-    whole = areas(elevations) > WHOLE * length * height
+    whole = areas(elevations) > _WHOLE * length * height
     weight = np.where(whole, volume, 0.0) if whole.any() else volume
     most = _most_common(height, weight)
     a = float(np.average(height[most], weights=weight[most]))
@@ -60,6 +60,7 @@ def unit_cells(walls: Sequence[Courses]) -> list[UnitCell]:
 
 
 def _line_up(one: Courses, other: Courses) -> bool:
+    """Return whether courses come apart, up to the top, by no more than stones of one wall differ in height."""
     return abs(one.height - other.height) * max(one.count, other.count) <= max(one.spread, other.spread)
 
 
