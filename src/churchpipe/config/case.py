@@ -296,19 +296,20 @@ def cases_of(
 # What is checked of a distribution: its median, and a least and a greatest value that one in a million is beyond.
 _LOOKED_AT = np.array([0.5, 1e-6, 1 - 1e-6])
 _NARROWER = "Bound it by low and high, or take a lognormal, uniform or beta distribution."
+# What no load factor of a sample depends on.
+_NOT_SAMPLED = ("name", "sample", "sweep", "project", "published", "movements", "most_stones")
+_OF_VARIANTS = re.compile(r"variants\.\d+\.(name|remove|cost)\b")
 _ANOTHER = "Not even its median is a value of the key: sample one that takes numbers with decimals, in its own range."
 
 
 def _check_sample(table: dict[str, Any], path: Path, overrides: Sequence[str], cases: Sequence[Case]) -> None:
-    """Raise InputError for a distribution that reaches what a key cannot be, a swept key, and a variant with its own [sample]."""
+    """Raise InputError for a distribution that reaches what its key cannot be, and a key that is swept or changes no sample."""
     sample = cases[0].sample
     assert sample is not None
-    if any(case.sample != sample for case in cases):
-        raise InputError(f"{path}: variants", "a variant changes [sample]", expected="one for all variants")
     for number, parameter in enumerate(sample.parameters):
         place = f"{path}: sample.parameters.{number}"
         for key in parameter.key:
-            if key in cases[0].swept or key in ("name", "sample"):
+            if key in cases[0].swept or key.partition(".")[0] in _NOT_SAMPLED or _OF_VARIANTS.match(key):
                 problem = "swept and sampled" if key in cases[0].swept else "not to be sampled"
                 raise located(InputError(f"{place}.key", problem, found=key, expected="another key"), path, overrides)
         for share, value in zip(_LOOKED_AT, quantile(parameter, _LOOKED_AT).tolist(), strict=True):

@@ -19,6 +19,14 @@ MOST_COMBINATIONS = 10_000
 SWITCHES = ("shell", "rigid.curve", "check")
 # Levels of tables and lists; a case has six.
 DEEPEST = 20
+# What is swept would change no result, or not that of the variant which it names; and what to do instead.
+_NOT_SWEPT = {
+    "sweep": "Give the values of its key in [sweep] itself.",
+    "variants": "Sweep the key that the variant changes, or give each value a [[variants]] of its own.",
+    "sample": "All combinations are analysed at the same samples: leave it out.",
+    "project": "The report has one title block: leave it out.",
+    "published": "It changes no analysis: leave it out.",
+}
 
 
 def parse_override(text: str) -> tuple[str, Any]:
@@ -167,15 +175,12 @@ def swept_values(table: Table) -> Iterator[Table]:
     for key, values in lists.items():
         if not isinstance(values, list) or not values:
             raise InputError(f"sweep.{key}", "nothing to sweep", found=values, expected="a list of at least one value")
-        if twice := [value for number, value in enumerate(values) if value in values[:number]]:
-            raise InputError(f"sweep.{key}", "a value given twice", found=twice[0], expected="each value once")
-    if "name" in lists:
-        raise InputError(
-            "sweep.name", "not to be swept", found=lists["name"], remedy="The name is that of the run: leave it out."
-        )
-    for key in lists:
-        if key.partition(".")[0] == "sweep":
-            raise InputError(f"sweep.{key}", "not to be swept", remedy="Give the values of its key in [sweep] itself.")
+        if remedy := _NOT_SWEPT.get(key.partition(".")[0]):
+            raise InputError(f"sweep.{key}", "not to be swept", remedy=remedy)
+        if key == "name":
+            remedy = "The name is that of the run: leave it out."
+            raise InputError("sweep.name", "not to be swept", found=values, remedy=remedy)
+    # Counted first: values that are far too many would be compared with each other for minutes.
     count = math.prod(map(len, lists.values()))
     if count > MOST_COMBINATIONS:
         raise InputError(
@@ -185,6 +190,9 @@ def swept_values(table: Table) -> Iterator[Table]:
             expected=f"at most {MOST_COMBINATIONS:,}",
             remedy="Sweep fewer values, or split the case.",
         )
+    for key, values in lists.items():
+        if twice := [value for number, value in enumerate(values) if value in values[:number]]:
+            raise InputError(f"sweep.{key}", "a value given twice", found=twice[0], expected="each value once")
     for values in itertools.product(*lists.values()):
         yield dict(zip(lists, values, strict=True))
 

@@ -12,6 +12,14 @@ from churchpipe.errors import InputError
 from churchpipe.model.names import AS_IT_IS
 from churchpipe.model.quantities import bare
 
+# What all variants have in common: one of its own would be passed over; and what to do instead.
+_NOT_VARIED = {
+    "variants": "Each variant starts from the building as it is; give each a [[variants]] of its own.",
+    "name": "The name is that of the run. That of the variant stands in its [[variants]].",
+    "sample": "All variants are analysed at the same samples: give the case its [sample].",
+    "project": "All variants stand in one report, which has one title block: give the case its [project].",
+}
+
 
 @dataclass(frozen=True, slots=True)
 class Variant:
@@ -31,7 +39,8 @@ def variants_of(tables: Sequence[Mapping[str, Any]]) -> tuple[Variant, ...]:
 
     Raises
     ------
-    InputError: two of one name, one with the name of the building as it is, or one that changes variants.
+    InputError: two of one name, one with the name of the building as it is, or one that changes what all have
+    in common.
     """
     found = tuple(record(Variant, table, f"variants.{number}") for number, table in enumerate(tables))
     names = [variant.name for variant in found]
@@ -43,10 +52,9 @@ def variants_of(tables: Sequence[Mapping[str, Any]]) -> tuple[Variant, ...]:
     for number, variant in enumerate(found):
         for word, keys in (("change", flatten(variant.change)), ("add", flatten(variant.add)), ("remove", variant.remove)):
             for key in keys:
-                if key.split(".")[0] == "variants":
+                if remedy := _NOT_VARIED.get(root := key.split(".")[0]):
                     where, expected = f"variants.{number}.{word}", "keys of the building, its loads and analyses"
-                    remedy = "Each variant starts from the building as it is; give each a [[variants]] of its own."
-                    raise InputError(where, "a variant of variants", found=key, expected=expected, remedy=remedy)
+                    raise InputError(where, f"a variant of {root}", found=key, expected=expected, remedy=remedy)
     return found
 
 

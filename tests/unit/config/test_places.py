@@ -216,6 +216,15 @@ def test_a_shell_has_friction(change: str, said: str, tmp_path: Path) -> None:
         ("", r"line 12, sweep: nothing to sweep; found an empty table\. Give keys their values, or leave it out"),
         ('"sweep" = [1]', r"line 13, sweep\.sweep: not to be swept\. Give the values of its key in \[sweep\] itself"),
         ('"sweep.rigid.solver" = ["auto"]', r"line 13, sweep\.sweep\.rigid\.solver: not to be swept"),
+        # What would be analysed twice under two names, or once where several values were given.
+        ('"project.title" = ["a", "b"]', r"line 13, sweep\.project\.title: not to be swept\. The report has one title block"),
+        ('"sample.number" = [2, 4]', r"line 13, sweep\.sample\.number: not to be swept\. All combinations are analysed at the"),
+        (
+            '"variants.0.change.rigid.solver" = ["auto"]',
+            r"line 13, sweep\.variants\.0\.\S+: not to be swept\. Sweep the key that",
+        ),
+        # Counted before they are compared with each other, which would take minutes.
+        (f'"material.default.friction" = {[*range(50_000)]}', r"line 12, sweep: too many combinations; found 50000 = 50,000"),
     ],
 )
 def test_what_was_swept_is_named_with_its_value(swept: str, said: str, tmp_path: Path) -> None:

@@ -36,6 +36,10 @@ def test_a_sample_is_read(tmp_path: Path) -> None:
         (THICKNESS.replace("low = 200", "low = -10"), ["source.thickness_mm", "reaches -10", "greater than 0"]),
         (THICKNESS.replace("thickness_mm", "thicknes_mm"), ["source.thicknes_mm", "unknown key", 'Did you mean "thickness_m"?']),
         (FRICTION.replace("material.default.friction", "name"), ["not to be sampled"]),
+        # No sample depends on them.
+        (FRICTION.replace("material.default.friction", "sample.demands.0"), ["sample.parameters.0.key", "not to be sampled"]),
+        (FRICTION.replace("material.default.friction", "movements.0.furthest_mm"), ["not to be sampled"]),
+        (FRICTION.replace("material.default.friction", "variants.0.cost.EUR"), ["not to be sampled"]),
         (FRICTION.replace("default", "brick"), ["sample.parameters.0.key", "missing keys", "material.brick.unit_weight"]),
         (FRICTION.replace("mean = 0.6,", ""), ["sample.parameters.0.mean", "missing"]),
         (FRICTION.replace("standard_deviation", "deviation"), ["unknown key", "standard_deviation"]),

@@ -206,6 +206,13 @@ REFUSED = [
     ('change = { "variants.0.name" = "b" }', r"variants\.0\.change: a variant of variants; found variants\.0\.name"),
     ('remove = ["variants"]', r"variants\.0\.remove: a variant of variants"),
     ('add.variants = [{ name = "b" }]', r"variants\.0\.add: a variant of variants"),
+    # One of its own was passed over.
+    ('change = { name = "b" }', r"line \d+, variants\.0\.change: a variant of name; found name; expected keys of the building"),
+    (
+        'add.project = { title = "b" }',
+        r"variants\.0\.add: a variant of project; .* one title block: give the case its \[project\]",
+    ),
+    ("add.sample = { number = 3 }", r"variants\.0\.add: a variant of sample; .*: give the case its \[sample\]"),
     ('remove = ["load"]', r': variant "a" of line \d+: missing keys; expected load'),
     (
         'remove = ["material.default.friction"]',
