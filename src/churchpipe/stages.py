@@ -293,8 +293,8 @@ def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None)
     """All analyses of a plan -> summary.json and table.csv; those of all samples -> samples.csv."""
     from churchpipe import compare as results
     from churchpipe.config.plausible import unanswered
+    from churchpipe.model.sizes import size_questions
     from churchpipe.run_folder import read_run
-    from churchpipe.stones.sizes import size_questions
 
     run = read_run(plan)
     sizes, meshes = {name: results.size(*run.stones(name)) for name in run.index["geometries"]}, run.meshes()

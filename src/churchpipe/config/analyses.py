@@ -8,8 +8,9 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from churchpipe.config.tables import listed
 from churchpipe.errors import InputError
+from churchpipe.model.contacts import GAP, OVERLAP
 from churchpipe.model.names import CONTACT_MODEL, STRENGTH, ContactModel, Flow, Planes
-from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Usual, Whole
+from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Whole
 from churchpipe.model.stone_path import HALO
 from churchpipe.rigid_blocks.crushing import PARTS
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
@@ -17,8 +18,6 @@ from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 Method = Literal["limit", "pushover"]
 Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 _Corner = tuple[Coordinate, Coordinate]
-_GAP = Quantity("_mm", 0.0, above=True, usual=Usual(1e-6, 50, "joints of mortar are some 10 wide, those of drawn stones below 1"))
-_OVERLAP = Quantity("_mm", 0.0, above=True, usual=Usual(1e-6, 50, "stones that are drawn or scanned overlap by some mm"))
 # How far a path goes: less than 1e-6 m or rad is lost to rounding, and refused in Python as well.
 _FURTHEST = Quantity("_deg", 6e-5, high=180, key="furthest_deg")
 _Way = Annotated[float, Quantity("_mm", 1e-3)]
@@ -90,7 +89,7 @@ class RigidSettings:
         BIPOTENTIAL_GAP
     )
     contact_gap: Annotated[
-        float | None, _GAP, "Largest gap between two faces of a joint; by default proposed from the stones."
+        float | None, GAP, "Largest gap between two faces of a joint; by default proposed from the stones."
     ] = None
     contact_angle: Annotated[
         float | None, Quantity("_deg", 0.0, above=True, high=90, below=True), "Largest angle between two faces of a joint."
@@ -100,7 +99,7 @@ class RigidSettings:
         "How many walls are analysed again, each alone, with 10 kPa more cohesion, and how many with 10 kN more weight, however "
         "small the building is: those that it would help most.",
     ] = 0
-    overlap: Annotated[float | None, _OVERLAP, "Largest depth to which two stones may overlap."] = None
+    overlap: Annotated[float | None, OVERLAP, "Largest depth to which two stones may overlap."] = None
     curve: Annotated[CurveSettings | None, "The capacity curve of the stones, where it is asked for."] = None
 
 

@@ -146,6 +146,7 @@ def block_pushover(
             check_kind(f"block_pushover: {name}", given, kind)
     listed("block_pushover: ties", ties, Tie)
     doubt_argument("block_pushover: friction", friction, JointStrength, "friction")
+    doubt_argument("block_pushover: compressive_strength", compressive_strength, JointStrength, "compressive_strength")
     one_of("block_pushover: contact_model", contact_model, *get_args(ContactModel))
     programmed = partial(limit_program, load=load, ties=ties, contact_model=contact_model)
     strengths = partial(_strengths, friction, compressive_strength)

@@ -80,6 +80,7 @@ def settlement_analysis(
     """
     begin = perf_counter()
     doubt_argument("settlement_analysis: friction", friction, JointStrength, "friction")
+    doubt_argument("settlement_analysis: compressive_strength", compressive_strength, JointStrength, "compressive_strength")
     one_of("settlement_analysis: flow", flow, "associative", "non-associative")
     one_of("settlement_analysis: contact_model", contact_model, *get_args(ContactModel))
     moved = (support, direction, about)

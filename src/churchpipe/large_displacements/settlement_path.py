@@ -91,6 +91,7 @@ def settlement_path(
     for name, given, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts)):
         check_kind(f"settlement_path: {name}", given, kind)
     doubt_argument("settlement_path: friction", friction, JointStrength, "friction")
+    doubt_argument("settlement_path: compressive_strength", compressive_strength, JointStrength, "compressive_strength")
     halo = check_path("settlement_path", stones, step, steps, furthest, halo)
     for name, call in (("progress", progress), ("keep", keep)):
         check_call(f"settlement_path: {name}", call)

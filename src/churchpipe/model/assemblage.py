@@ -26,10 +26,11 @@ from churchpipe.model.arrays import (
     store_arrays,
 )
 from churchpipe.model.card import Shown
-from churchpipe.model.doubts import doubt_argument
+from churchpipe.model.doubts import doubt, doubt_argument
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.pictures import picture
 from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_warps, solid_properties
+from churchpipe.model.sizes import size_questions
 from churchpipe.model.surfaces import DOUBLED, SurfaceFault, coincident, surface_fault, weld
 
 Polyhedron = tuple[npt.ArrayLike, Sequence[Sequence[int]]]
@@ -155,7 +156,7 @@ class Assemblage(Shown):
             A solid that is open, flat or not planar, with its index.
         """
         # Models without units are given a weight of one.
-        if not np.array_equal(unit_weight, 1.0):
+        if units := not np.array_equal(unit_weight, 1.0):
             doubt_argument("from_polyhedra: unit_weight", unit_weight, UnitWeight, "unit_weight")
         points: list[FloatArray] = []
         nodes: list[int] = []
@@ -181,7 +182,7 @@ class Assemblage(Shown):
         if chosen.dtype == np.bool_:
             chosen = np.flatnonzero(flags("fixed", chosen, (count,)))
         fixed_flags[indices("fixed", chosen, (None,), below=count)] = True
-        return assemble(
+        made = assemble(
             points=np.concatenate(points),
             face_nodes=np.array(nodes, dtype=np.int64),
             face_ptr=_cumulative(face_sizes),
@@ -195,6 +196,8 @@ class Assemblage(Shown):
             block_id=_ids(block_id, count),
             butts=one_each("butts", array_of("butts", butts, "b", "True or False"), count),
         )
+        doubt(size_questions(made) if units else ())
+        return made
 
     def show(self) -> Any:
         """Return a picture of the stones as they stand (`churchpipe.show`)."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from churchpipe.model.arrays import (
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.card import Shown
 from churchpipe.model.pictures import picture
+from churchpipe.model.quantities import Quantity, Usual
 
 # A contact point lies in the box of both its stones, or beyond it by this share of their diagonals at most.
 _SLACK = 0.05
@@ -31,8 +32,9 @@ KINDS: tuple[ContactKind, ...] = get_args(ContactKind)
 # Faces nearer than this, m, touch: so much is lost where coordinates are rounded to six decimals.
 TOUCHING = 1e-6
 
-
 TOLERANCES = ("contact_gap", "contact_angle", "overlap")
+GAP = Quantity("_mm", 0.0, above=True, usual=Usual(1e-6, 50, "joints of mortar are some 10 wide, those of drawn stones below 1"))
+OVERLAP = Quantity("_mm", 0.0, above=True, usual=Usual(1e-6, 50, "stones that are drawn or scanned overlap by some mm"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +45,9 @@ class ContactTolerances:
     deep two stones may lie in each other, m; given: the names of those that the person gave, the others were proposed.
     """
 
-    contact_gap: float = TOUCHING
+    contact_gap: Annotated[float, GAP] = TOUCHING
     contact_angle: float = 1e-5
-    overlap: float = TOUCHING
+    overlap: Annotated[float, OVERLAP] = TOUCHING
     given: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

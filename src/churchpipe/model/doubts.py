@@ -68,6 +68,8 @@ def doubt_argument(name: str, values: Any, kind: type, field: str) -> None:
     except (TypeError, ValueError):
         # What is no number is refused by whoever called.
         return
+    # What is not finite is refused, too, or says that there is no such limit.
+    found = found[np.isfinite(found)]
     for one in dict.fromkeys((float(found.min()), float(found.max()))) if found.size else ():
         _warn(name, one, item.key, item.quantity.usual, 3)
 

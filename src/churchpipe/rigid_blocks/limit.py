@@ -122,7 +122,8 @@ def limit_analysis(
     for name, value, kind in (("stones", stones, Assemblage), ("contacts", contacts, Contacts), ("load", load, LoadCase)):
         check_kind(f"limit_analysis: {name}", value, kind)
     check_call("limit_analysis: progress", progress)
-    doubt_argument("limit_analysis: friction", friction, JointStrength, "friction")
+    for name, value in (("friction", friction), ("cohesion", cohesion), ("compressive_strength", compressive_strength)):
+        doubt_argument(f"limit_analysis: {name}", value, JointStrength, name)
     one_of("limit_analysis: flow", flow, *get_args(Flow))
     starts: list[Start] = [start] if isinstance(start, str) else []
     if not starts and start is not None:

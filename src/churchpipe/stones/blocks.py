@@ -20,10 +20,10 @@ from churchpipe.model.assemblage import Assemblage, assemble
 from churchpipe.model.building import Building, CylinderChart, Panel
 from churchpipe.model.doubts import doubt
 from churchpipe.model.materials import by_name
+from churchpipe.model.sizes import size_questions
 from churchpipe.stones.pierced import pierced_solids
 from churchpipe.stones.prisms import Solids, solids_of, stations_of, thicken
 from churchpipe.stones.ring_beams import add_beams
-from churchpipe.stones.sizes import size_questions
 from churchpipe.vaults.stones import stone_parts, vault_stones
 
 # Relative difference allowed between the stones and the walls.

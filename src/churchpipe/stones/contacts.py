@@ -8,7 +8,8 @@ from churchpipe.geometry.planar import hull_corners, widths
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.contacts import TOUCHING, Contacts
+from churchpipe.model.contacts import TOUCHING, Contacts, ContactTolerances
+from churchpipe.model.doubts import doubt_argument
 from churchpipe.stones.contact_tolerances import MOST_ANGLE, Limits, given_or_none, limits_of, search_reach
 from churchpipe.stones.coplanar import coplanar_interfaces
 from churchpipe.stones.covering import uncovered
@@ -73,6 +74,8 @@ def find_contacts(
     contact_angle = given_or_none("contact_angle", contact_angle, most=0.5 * np.pi)
     overlap = given_or_none("overlap", overlap)
     least_width = given_or_none("least_width", least_width) or 0.0
+    doubt_argument("find_contacts: contact_gap", contact_gap, ContactTolerances, "contact_gap")
+    doubt_argument("find_contacts: overlap", overlap, ContactTolerances, "overlap")
     facets = facets_of(stones)
     exact = _exact(stones, facets, min(TOUCHING, contact_gap or TOUCHING))
     sure = np.all(facets.single[exact.side], axis=1, keepdims=True)[:, 0]

@@ -7,9 +7,9 @@ import pytest
 from churchpipe.config.case import read_case, read_variants
 from churchpipe.config.plausible import questions, unanswered, work_questions
 from churchpipe.errors import InputError
+from churchpipe.model.sizes import size_questions
 from churchpipe.resources import sample_case, sample_names
 from churchpipe.stones.blocks import derive_blocks
-from churchpipe.stones.sizes import size_questions
 from solids import box, on_ground
 
 CASE = """

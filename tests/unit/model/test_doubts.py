@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import churchpipe as cp
@@ -48,8 +49,25 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
     ),
     (lambda: cp.JointGroup("beds", kind="bed", friction=6.0), r"JointGroup\.friction is 6, usual"),
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, friction=6.0), r"limit_analysis: friction is 6, usual are 0\.1 to 1\.5"),
+    (
+        lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6, cohesion=20e6),
+        r"limit_analysis: cohesion is 2e\+04 kPa \(given",
+    ),
+    (
+        lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6, compressive_strength=2.0),
+        r"limit_analysis: compressive_strength is 2e-06 MPa \(given as 2 in SI units\), usual are 0\.3 to 50 MPa",
+    ),
+    (
+        lambda: cp.find_contacts(STONES, contact_gap=12.0),
+        r"find_contacts: contact_gap is 1\.2e\+04 mm \(given as 12 in",
+    ),
+    (lambda: cp.find_contacts(STONES, overlap=2.0), r"find_contacts: overlap is 2000 mm \(given as 2 in SI units\), usual are"),
     (lambda: cp.block_pushover(STONES, CONTACTS, PUSH, 6.0, steps=1), r"block_pushover: friction is 6, usual"),
     (lambda: cp.settlement_analysis(STONES, CONTACTS, [0], friction=[6.0]), r"settlement_analysis: friction is 6, usual"),
+    (
+        lambda: cp.Assemblage.from_polyhedra([box((0, 400), (0, 1), (0, 1))], unit_weight=18e3),
+        r"the longest side of a stone is 400 m, usual are 0\.005 to 25 m",
+    ),
     (
         lambda: cp.Assemblage.from_polyhedra([box((0, 1), (0, 1), (0, 1))], unit_weight=18.0),
         r"from_polyhedra: unit_weight is 0\.018 kN/m3 \(given as 18 in SI units\)",
@@ -105,6 +123,10 @@ def test_nothing_is_asked_about_usual_values_and_inside_the_package(tmp_path: Pa
         warnings.simplefilter("error", cp.DoubtfulValue)
         replace(SOUND, friction=0.7)
         cp.limit_analysis(STONES, CONTACTS, PUSH, friction=0.6)
+        # Joints that do not crush, stones of a model without units, ground alone.
+        cp.limit_analysis(STONES, CONTACTS, PUSH, friction=0.6, compressive_strength=np.inf)
+        cp.Assemblage.from_polyhedra([box((0, 400), (0, 1), (0, 1))], unit_weight=1.0)
+        cp.Assemblage.from_polyhedra([box((0, 400), (0, 1), (0, 1))], unit_weight=18e3, fixed=[0])
         cp.block_pushover(STONES, CONTACTS, PUSH, 0.6, steps=1)
         # The case has its own questions.
         cp.read_case(case)

@@ -1,10 +1,14 @@
 """What to ask about sizes that no masonry building has, such as millimetres taken for metres."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.doubts import question
 from churchpipe.model.quantities import UNITS, Usual
+
+if TYPE_CHECKING:
+    from churchpipe.model.assemblage import Assemblage
 
 _HEIGHT = Usual(0.05, 200.0, "models of tilting tests to the tallest spires")
 _LENGTH = Usual(0.05, 500.0, "models of tilting tests to the longest churches")
@@ -12,8 +16,10 @@ _STONE = Usual(0.005, 25.0, "bricks of models to the largest cut stones")
 _METRES = UNITS["_m"]
 
 
-def size_questions(stones: Assemblage) -> list[str]:
+def size_questions(stones: "Assemblage") -> list[str]:
     """Return what to ask about the extents of a structure and of its stones, supports left out."""
+    if stones.fixed.all():
+        return []
     first = stones.block_point_ptr[:-1]
     low, high = (reduce.reduceat(stones.points, first)[~stones.fixed] for reduce in (np.minimum, np.maximum))
     side, whole = (high - low).max(axis=1), high.max(axis=0) - low.min(axis=0)
