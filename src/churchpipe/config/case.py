@@ -348,19 +348,19 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
             if one.material and one.material not in checked["material"]:
                 where, expected = f"{file}: {key}.{number}.material", ", ".join(checked["material"])
                 raise InputError(where, "unknown material", found=one.material, expected=expected)
-    for key in ("ties", "tie_candidates"):
-        names = [str(table["name"]) for table in checked.get(key, [])]
-        for number, name in enumerate(names):
-            if name in names[:number]:
-                where, expected = f"{file}: {key}.{number}.name", "a name of its own for each"
-                raise InputError(where, "two ties of one name", found=name, expected=expected)
+    called: list[str] = []
+    bars = [(key, *numbered) for key in ("ties", "tie_candidates") for numbered in enumerate(checked.get(key, []))]
+    for key, number, bar in bars:
+        if (name := str(bar["name"])) in called:
+            where = f"{file}: {key}.{number}.name"
+            raise InputError(where, "two ties of one name", found=name, expected="a name of its own for each, candidates too")
+        called.append(name)
     source = _source(path, source)
     if buttresses and isinstance(source, Drawing):
         remedy = "Draw them, or take a generator."
         raise InputError(f"{file}: buttresses.0", "a drawing gives stones, to which no buttress is bonded", remedy=remedy)
     movements = _all(MovementSettings, checked, "movements", file)
-    names = [movement.name for movement in movements]
-    if len(set(names)) != len(names):
+    if len(set(names := [movement.name for movement in movements])) != len(names):
         expected = "a name of its own for each"
         raise InputError(f"{file}: movements", "two movements of one name", found=", ".join(names), expected=expected)
     return Case(

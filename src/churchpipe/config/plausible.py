@@ -100,6 +100,7 @@ def _of_case(case: "Case") -> Iterator[str]:
     yield from _of_fills(case)
     yield from _of_pressures(case)
     yield from (f"{said} Is it meant?" for said in (*case.loose_ends(), *case.hanging()))
+    yield from _of_thrusts(case)
     yield from _of_storeys(case)
     yield from _of_beams(case)
     yield from _of_joints(case)
@@ -135,6 +136,20 @@ def _of_directions(case: "Case") -> Iterator[str]:
 def _opposite(load: LoadCase, other: LoadCase) -> bool:
     alike = load.panels == other.panels and load.profile == other.profile
     return alike and np.allclose(other.direction[:2], -load.direction[:2])
+
+
+def _of_thrusts(case: "Case") -> Iterator[str]:
+    """Yield what to ask about loads that are given a side of their wall and nothing that acts towards it."""
+    if any(key.startswith(LOADS) for key in case.swept):
+        return
+    for key in LOADS:
+        for number, load in enumerate(getattr(case.carries, key)):
+            sideways = getattr(load, "thrust", None), getattr(load, "eccentricity", None)
+            if sideways == (0.0, 0.0) and load.toward is not None:
+                yield (
+                    f"{key}.{number}.toward says where a thrust or an eccentricity points, and the load has neither, so that it "
+                    "changes nothing. Is it meant?"
+                )
 
 
 def _of_storeys(case: "Case") -> Iterator[str]:

@@ -70,7 +70,7 @@ def bearing_stones(
             "no stone under it",
             found=f"nothing at {nothing.round(4).tolist()} m",
             expected="masonry along all of it, at its height",
-            remedy="Look for an opening, a wall that ends before it, or a height above the wall; its begin and end bound a line.",
+            remedy="Look for an opening, a wall that ends before it, or a height above the wall; a line may end beside it.",
         )
     return Stretches(ends[part, 0], ends[part, 1], candidates[rank], 1.0 / bearing[part], z)
 

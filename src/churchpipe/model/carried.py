@@ -246,7 +246,7 @@ class AreaLoad:
             raise InputError(f"{where}: walls", "not two walls or four", found=", ".join(named), expected="each named once")
         in_range(AreaLoad, "bearing", f"{where}: bearing", bearing)
         if len(named) == 4 and not (begin is None and end is None):
-            raise InputError(where, "begin and end of a floor between four walls", expected="the clear area between them")
+            raise InputError(where, "a part of a floor between four walls", expected="two walls beside begin and end, or neither")
         check_order(where, begin, end)
         store(self, walls=named, bearing=float(bearing))
         _store_numbers(self, where, begin=begin, end=end, height=height)
@@ -360,7 +360,7 @@ def _on_wall_or_at(where: str, key: str, wall: str | None, place: object, **on_w
         raise InputError(where, "no place" if wall is None else "two places", found=found, expected=f"a wall, or {key}")
     extra = [name for name, value in on_wall.items() if value is not None]
     if wall is None and extra:
-        raise InputError(where, f"{', '.join(extra)} without a wall", expected=f"{key} alone, or a wall")
+        raise InputError(where, "a place on a wall, without a wall", expected=f"{key} alone, or a wall beside {', '.join(extra)}")
 
 
 def _store_numbers(load: object, where: str, **values: float | None) -> None:
@@ -377,14 +377,16 @@ def _store_load(
     finite(f"{where}: eccentricity", eccentricity)
     pushes = float(dead if mass is None else mass)
     if not (dead or thrust or pushes):
-        raise InputError(where, "no load", expected="dead, thrust or mass other than zero")
+        dead_or = "dead or" if isinstance(load, AreaLoad) else "dead, thrust or"
+        raise InputError(where, "no load", expected=f"{dead_or} mass other than zero")
     if (thrust or eccentricity) and toward is None:
         what = "a thrust" if thrust else "an eccentricity"
         raise InputError(where, f"{what} without a direction", expected="toward, a level vector such as [1, 0, 0]")
     store(load, dead=float(dead), mass=None if mass is None else pushes)
     if not isinstance(load, AreaLoad):
-        side = None if toward is None else _level(where, toward)
-        store(load, thrust=float(thrust), toward=side, eccentricity=float(eccentricity))
+        store(
+            load, thrust=float(thrust), toward=None if toward is None else _level(where, toward), eccentricity=float(eccentricity)
+        )
 
 
 def _level(where: str, toward: Toward) -> FloatArray:

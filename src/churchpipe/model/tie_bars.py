@@ -153,7 +153,9 @@ class TieBar:
                 in_range(TieBar, "plate", f"{where}: plate", side)
             sides = width, height
         elif bearing_strength is not None or punching_strength is not None:
-            raise InputError(where, "no plate", found="a strength of the masonry under it", expected="plate, (width, height) m")
+            raise InputError(
+                where, "no plate", found="a strength of the masonry under it", expected="plate, its width and height"
+            )
         store(self, area=float(area), steel_strength=float(steel_strength), plate=sides, pretension=float(pretension))
         store(self, bearing_strength=bearing_strength, punching_strength=punching_strength)
         store(self, modulus=float(modulus), ultimate_strain=ultimate_strain)

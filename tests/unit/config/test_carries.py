@@ -124,6 +124,12 @@ def test_ties_have_names_of_their_own(tmp_path: Path) -> None:
     again = CASE[CASE.index("[[ties]]") :]
     with pytest.raises(InputError, match=r"loaded\.toml: line \d+, ties\.1\.name: two ties of one name; found chain"):
         read_case(case_of(tmp_path, f"{CASE}\n{again}"))
+    # The analysis with the candidates has both.
+    candidate = again.replace("[[ties]]", "[[tie_candidates]]")
+    with pytest.raises(
+        InputError, match=r"line \d+, tie_candidates\.0\.name: two ties of one name; found chain; .* candidates too"
+    ):
+        read_case(case_of(tmp_path, f"{CASE}\n{candidate}"))
 
 
 BEAM = """

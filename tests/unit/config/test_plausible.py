@@ -127,6 +127,10 @@ def test_vaults_that_mislead_are_questioned(change: str, words: list[str], tmp_p
     [
         ('[[line_loads]]\nwall = "wall"\ndead_kN_m = 4500', "line_loads.0.dead_kN_m is 4500 kN/m, usual are 0 to 500 kN/m"),
         (
+            '[[line_loads]]\nwall = "wall"\ndead_kN_m = 4.5\ntoward = [0, 1, 0]',
+            "line_loads.0.toward says where a thrust or an eccentricity points, and the load has neither",
+        ),
+        (
             '[[line_loads]]\nwall = "wall"\nthrust_kN_m = -800\ntoward = [0, 1, 0]',
             "line_loads.0.thrust_kN_m is -800 kN/m, usual are -200 to 200 kN/m",
         ),

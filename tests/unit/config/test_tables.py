@@ -98,6 +98,22 @@ WORDS = [
         'wall = "wall"\nthrust_kN_m = 1\ntoward = "-x"',
         "found '-x'; expected a list in [brackets], such as [0, -1, 0].",
     ),
+    ("area_loads", 'walls = ["wall", "other"]', "no load; expected dead_kN_m2 or seismic_mass_kN_m2 other than zero."),
+    (
+        "line_loads",
+        "between_m = [[0, 0, 1], [1, 0, 1]]\ndead_kN_m = 1\nfrom_m = 1\nto_m = 2",
+        "a place on a wall, without a wall; expected between_m alone, or a wall beside from_m, to_m.",
+    ),
+    (
+        "area_loads",
+        'walls = ["a", "b", "c", "d"]\ndead_kN_m2 = 1\nfrom_m = 1',
+        "a part of a floor between four walls; expected two walls beside from_m and to_m, or neither.",
+    ),
+    (
+        "ties",
+        'name = "t"\nstart.at_m = [0, 0, 0]\nend.at_m = [1, 0, 0]\narea_mm2 = 4\nsteel_strength_MPa=9\nbearing_strength_MPa = 1',
+        "no plate; found a strength of the masonry under it; expected plate_mm, its width and height.",
+    ),
     ("point_loads", 'wall = "wall"\ndead_kN = 1', "no place on the wall; expected along_m."),
     ("joints", 'name = "j"\nkind = "base"', "no strength; expected friction, cohesion_kPa or both."),
     ("joints", 'name = "j"\nabove_m = 3\nbelow_m = 1\nfriction = 0.3', "expected above_m < below_m."),
