@@ -17,11 +17,12 @@ from churchpipe.stones.joints import joints_of
 
 def picks(case: Case) -> bool:
     """Return whether a case names any of it."""
-    return bool(case.joints or case.movements or (case.rigid.curve and (case.rigid.curve.control or case.rigid.curve.step)))
+    curve = case.rigid.curve and (case.rigid.curve.control or case.rigid.curve.step)
+    return bool(case.joints or case.movements or curve or (case.shell and case.shell.control_place))
 
 
 def check_picked(case: Case, stones: Assemblage, contacts: Contacts) -> None:
-    """Look for the joints of its groups, the ground of its movements and the point of its curves in the whole building.
+    """Look for the joints of its groups, the ground of its movements and the points of its curves in the whole building.
 
     Steps of curves and movements are no longer than it is.
 
@@ -42,13 +43,16 @@ def check_picked(case: Case, stones: Assemblage, contacts: Contacts) -> None:
             if place := movement.support or movement.within:
                 tried(f"movements.{number}", partial(footing, stones, contacts, place))
         for load in case.loads if control else ():
-            _check_control(stones, load, control)
+            _check_control(stones, load, control, "rigid.curve.control")
+        followed = case.shell.control_place if case.shell else None
+        for load in case.loads if followed else ():
+            _check_control(stones, load, followed, "shell.control_point")
     except InputError as error:
         raise case.located(error.at(f"{case.path}: {error.where}")) from error
 
 
-def _check_control(stones: Assemblage, load: LoadCase, control: Place | None) -> None:
+def _check_control(stones: Assemblage, load: LoadCase, control: Place | None, where: str) -> None:
     try:
         control_of(stones, load, control)
     except InputError as error:
-        raise error.at("rigid.curve.control") from error
+        raise error.at(where) from error

@@ -112,6 +112,10 @@ def _of_case(case: "Case") -> Iterator[str]:
         yield _NO_CURVE
     if case.check is not None:
         yield from case.check.table_questions
+    if case.shell is not None and "pushover" not in case.shell.analyses:
+        for key, value in (("control_point", case.shell.control), ("steps", case.shell.steps)):
+            if value is not None:
+                yield f"shell.{key} is for the capacity curve of the shell, and analyses asks for no curve. Is it meant?"
     added = {"joints": case.joints, "buttresses": case.buttresses, "ring_beams": case.ring_beams}
     for key, records in (*added.items(), *((key, getattr(case.carries, key)) for key in KINDS)):
         told = [plain(record) for record in records]
@@ -122,8 +126,10 @@ def _of_case(case: "Case") -> Iterator[str]:
 
 
 def _of_directions(case: "Case") -> Iterator[str]:
-    """Yield what to ask where an earthquake is checked that comes from one side only."""
+    """Yield what to ask where an earthquake is checked that comes from one side only, or from none."""
     pushes = [load for load in case.loads if load.direction[:2].any()] if case.check is not None else []
+    if case.check is not None and not pushes:
+        yield "The check is of an earthquake, and no load pushes sideways, so that none is made. Is it left out on purpose?"
     lone = [load.name for load in pushes if not any(_opposite(load, other) for other in pushes)]
     if lone:
         ways = "direction" if len(lone) == 1 else "directions"

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -35,8 +36,8 @@ def with_buttresses(building: Building, buttresses: Iterable[Buttress]) -> Build
     Raises
     ------
     InputError
-        A wall that is not there, is curved, or has no such side; a place beyond it or in an opening; a height that is no whole
-        number of courses.
+        A wall that is not there, is curved, or has no such side; a place beyond it, in an opening or in another one; a height
+        that is no whole number of courses.
     """
     check_kind("with_buttresses: building", building, Building)
     for buttress in listed("with_buttresses: buttresses", buttresses, Buttress):
@@ -50,6 +51,10 @@ def with_buttresses(building: Building, buttresses: Iterable[Buttress]) -> Build
             remedy = 'Give them a name of their own: name = "west", say. Buttresses alike may be one table with several places.'
             raise InputError(f"{where}: name", "not the only ones of their name", found=taken[0], remedy=remedy)
         made = tuple(_panel(where, wall, buttress, *one) for one in zip(buttress.along, names, strict=True))
+        nearest = min((after - before for before, after in pairwise(sorted(buttress.along))), default=np.inf)
+        if nearest < buttress.width - _WHOLE:
+            found, expected = f"middles {nearest:.4g} m apart", f"at least {buttress.width:g} m, the width of each"
+            raise InputError(f"{where}: along", "two in one place", found=found, expected=expected)
         for along, panel in zip(buttress.along, made, strict=True):
             _check_corner(f"{where}: along", panel, along, [other for other in building.panels if other is not wall])
         loose = () if buttress.bonded else tuple(Junction((wall.name, name)) for name in names)

@@ -64,8 +64,8 @@ def pushover(
     shell, load, materials, planes, membrane, stations
         As in `shell_limit_analysis`; the materials have elastic constants.
     control_point
-        Number of a node, or a point (3,) m whose nearest node is taken; by default the node that moves furthest along the
-        load at the end.
+        Number of a node, or a point (3,) m of the shell whose nearest node is taken; by default the node that moves furthest
+        along the load at the end.
     steps
         At most this many, dead load not counted.
     ties
@@ -267,4 +267,10 @@ def _node(shell: ShellModel, control_point: int | npt.ArrayLike) -> int:
         return int(given)
     if given.shape != (3,) or given.dtype.kind not in "iuf" or not np.isfinite(given).all():
         raise InputError("control_point", "not a node or a point", found=control_point, expected="a number, or x, y, z in m")
+    # The nodes lie in the middle of walls: a point on a face is as near as half a thickness.
+    beyond = 0.5 * shell.thickness.max()
+    low, high = shell.points.min(axis=0) - beyond, shell.points.max(axis=0) + beyond
+    if ((given < low) | (given > high)).any():
+        expected = f"a point between {low.round(4).tolist()} and {high.round(4).tolist()} m"
+        raise InputError("control_point", "a point outside the shell", found=given.tolist(), expected=expected)
     return int(((shell.points - given) ** 2).sum(axis=1).argmin())

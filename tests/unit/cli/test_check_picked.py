@@ -38,6 +38,10 @@ direction = [1, 0, 0]
             "rigid.curve.control_mm: a point outside the free stones; found [0.0, 0.0, 9.0]",
         ),
         (
+            "[shell]\nelement_size_mm = 400\ncontrol_point_mm = [0, 0, 9000]\n",
+            "shell.control_point_mm: a point outside the free stones; found [0.0, 0.0, 9.0]",
+        ),
+        (
             "[rigid.curve]\nstep_mm = 20000\n",
             "rigid.curve.step_mm: a step longer than the structure; found 20 m (20000 mm); expected at most 1.9 m",
         ),
@@ -52,7 +56,7 @@ def test_places_that_are_not_there(capsys: pytest.CaptureFixture[str], tmp_path:
     code, _, err = call(capsys, "check", path)
     assert code == 1
     last = len(path.read_text().splitlines())
-    assert f"line {last if '[rigid' in lines or 'step_' in lines else last - 1}, {said}" in err
+    assert f"line {last if '[rigid' in lines or '[shell' in lines or 'step_' in lines else last - 1}, {said}" in err
 
 
 def test_places_that_are_there(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

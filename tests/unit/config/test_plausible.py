@@ -48,6 +48,20 @@ def test_a_check_from_one_side_only_is_questioned(tmp_path: Path) -> None:
     assert questions([read_case(path)]) == []
 
 
+def test_a_check_that_no_load_is_made_for_is_questioned(tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND))
+    [question] = questions([read_case(path, ["load=[{direction=[0,0,1]}]"])])
+    assert question.startswith("The check is of an earthquake, and no load pushes sideways, so that none is made.")
+
+
+def test_keys_of_a_curve_of_the_shell_that_is_not_asked_for_are_questioned(tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND))
+    set_ = ["shell={element_size_mm=500}", "shell.steps=9", "shell.control_point_mm=[0, 0, 0]"]
+    assert [text.split(" is for")[0] for text in questions([read_case(path, set_)])] == ["shell.control_point", "shell.steps"]
+
+
 def test_a_rectangle_of_ground_in_metres_is_questioned(tmp_path: Path) -> None:
     path = tmp_path / "w.toml"
     path.write_text(CASE.format(**SOUND))

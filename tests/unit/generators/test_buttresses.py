@@ -127,6 +127,11 @@ def test_buttresses_of_a_case(tmp_path: Path) -> None:
     for given, wrong, said in (
         ('wall = "wall"', 'wall = "nave"', "line 13, buttresses.0: buttress of nave: no such wall"),
         ("along_m = [1.0, 3.0]", "along_m = [9.0]", "line 13, buttresses.0: buttress of wall: along: beyond the wall"),
+        (
+            "along_m = [1.0, 3.0]",
+            "along_m = [3.0, 1.0, 1.2]",
+            r"line 13, \S+ buttress of wall: along: two in one place; found middles 0\.2 m",
+        ),
         ("width_m = 0.5", "width_m = -0.5", "line 17, buttresses.0.width_m: wrong value"),
     ):
         path.write_text(CASE.replace(given, wrong))

@@ -162,6 +162,11 @@ def test_what_cannot_be_pushed_is_named() -> None:
         pushover(model, OUT, MASONRY, control_point=99)
     with pytest.raises(InputError, match="not a node or a point"):
         pushover(model, OUT, MASONRY, control_point=(0.0, 1.0))
+    # Its nearest node was followed.
+    with pytest.raises(
+        InputError, match=r"control_point: a point outside the shell; found \[0\.0, 0\.0, 900\.0\]; expected a point"
+    ):
+        pushover(model, OUT, MASONRY, control_point=(0.0, 0.0, 900.0))
     with pytest.raises(InputError, match="steps: out of range"):
         pushover(model, OUT, MASONRY, steps=0)
     with pytest.raises(InputError, match="steps: not a whole number; found 'a'; expected >= 1"):
