@@ -6,7 +6,7 @@ import math
 import re
 import shlex
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -42,6 +42,8 @@ from churchpipe.wording import counted
 # that of an element a capacity curve takes besides.
 SECONDS_PER_ELEMENT, SECONDS_PER_STONE, CURVE = 0.003, 0.001, 4
 NONE_GIVEN: Final[Mapping[str, float | None]] = {}
+# What is written beside a case, or into the folder of a check.
+FINDINGS = ("findings.html", "findings.json", "findings.dxf")
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -147,6 +149,7 @@ def import_drawing(
         raise UsageError(str(case), "exists already", remedy="Choose another folder, or delete it first.")
     drawing, contacts = check_drawing(path, reading, unit_weight, tolerances)
     copies = _copies(path, folder)
+    check_findings_apart(copies.values(), folder)
     for file, copy in copies.items():
         if copy.exists() and not copy.samefile(file):
             raise UsageError(str(copy), "exists already", remedy="Choose another folder, or delete it first.")
@@ -281,6 +284,17 @@ def parse_tolerances(contact_gap: str | None, contact_angle: float | None, overl
     return dict(zip(TOLERANCES, (lengths[0], angle, lengths[1]), strict=True))
 
 
+def check_findings_apart(files: Iterable[Path], folder: Path) -> None:
+    """Raise UsageError where the findings in a folder would be written over one of the files that they are about.
+
+    The drawing of findings that was laid over another one is such a file where somebody checks it in its own folder.
+    """
+    taken = {file.resolve() for file in files} & {(folder / name).resolve() for name in FINDINGS}
+    if taken:
+        remedy = "Rename the file, or choose another folder with --out."
+        raise UsageError(str(min(taken)), "the findings would be written over it", remedy=remedy)
+
+
 def record_findings(findings: Findings, folder: Path, units: str, stones: Assemblage | Sequence[Body], after: str) -> None:
     """Write findings.html, with a picture of the stones, and where there are findings findings.json and findings.dxf, to lay over
     the drawing.
@@ -292,9 +306,9 @@ def record_findings(findings: Findings, folder: Path, units: str, stones: Assemb
         from churchpipe.report.findings_page import sound_stones, write_findings_page
 
         drawn = stones if isinstance(stones, Assemblage) else sound_stones(stones)
-        write_findings_page(folder / "findings.html", findings, drawn, after)
+        write_findings_page(folder / FINDINGS[0], findings, drawn, after)
     if not len(findings):
         return
     record = {"file": findings.file, "findings": findings.records()}
-    write_text(folder / "findings.json", json.dumps(record, indent=1, ensure_ascii=False) + "\n")
-    write_findings(findings, folder / "findings.dxf", units)
+    write_text(folder / FINDINGS[1], json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+    write_findings(findings, folder / FINDINGS[2], units)

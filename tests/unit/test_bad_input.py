@@ -27,6 +27,7 @@ from solids import box, on_ground
 
 ARCH = sample_case("arch")
 STONES = on_ground(box((0, 1), (0, 1), (0, 1)), box((0, 1), (0, 1), (1, 2)), unit_weight=2e4, reach=3)
+WEIGHT = "unit_weight_kN_m3 = 20\nfriction = 0.6\n"
 STONE = Material("default", 2e4, 0.6)
 
 
@@ -222,6 +223,41 @@ def test_export_does_not_overwrite_a_case(capsys: pytest.CaptureFixture[str], tm
     assert code == cli.USAGE
     assert "expected a name that ends in .dxf" in err
     assert case.read_text() == ARCH
+
+
+@pytest.mark.parametrize("name", ["case.toml", "wall.obj", "page"])
+def test_a_page_does_not_overwrite_what_it_shows(capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str) -> None:
+    case = written(tmp_path, ARCH)
+    written(tmp_path, "v 0 0 0", "wall.obj")
+    code, _, err = call(capsys, "view", case, "--no-open", "--out", tmp_path / name)
+    assert code == cli.USAGE
+    assert "not the name of a page; expected a name that ends in .html" in err
+    assert case.read_text() == ARCH
+    assert (tmp_path / "wall.obj").read_text() == "v 0 0 0"
+
+
+def test_export_does_not_overwrite_the_drawing_of_a_case(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    drawing = tmp_path / "stones.dxf"
+    write_dxf(STONES, drawing, materials=[STONE])
+    drawn = drawing.read_bytes()
+    case = written(tmp_path, '[source]\ndxf = "stones.dxf"\n[[load]]\ndirection = [1, 0, 0]\n[material.default]\n' + WEIGHT)
+    code, _, err = call(capsys, "export-dxf", case, "--out", tmp_path / "." / "stones.dxf")
+    assert code == cli.USAGE
+    assert "the drawing that the case is made of; expected another name" in err
+    assert drawing.read_bytes() == drawn
+
+
+@pytest.mark.parametrize("command", ["check", "import"])
+def test_findings_do_not_overwrite_what_they_are_about(capsys: pytest.CaptureFixture[str], tmp_path: Path, command: str) -> None:
+    drawing = tmp_path / "findings.dxf"
+    write_dxf(STONES, drawing, materials=[STONE])
+    drawn = drawing.read_bytes()
+    folder = tmp_path if command == "check" else tmp_path / "new"
+    code, _, err = call(capsys, command, drawing, "--out", folder)
+    assert code == cli.USAGE
+    assert f"{folder / 'findings.dxf'}: the findings would be written over it. Rename the file" in err
+    assert drawing.read_bytes() == drawn
+    assert not (tmp_path / "new").exists()
 
 
 @pytest.mark.parametrize("command", [("generate", "arch"), ("run",), ("export-dxf",)])

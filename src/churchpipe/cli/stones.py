@@ -86,8 +86,19 @@ def check(
         check_case(file, changes or ())
         return
     from churchpipe.findings import FindingsError
-    from churchpipe.importing import UnsoundError, check_drawing, free_volume, joint_words, parse_tolerances, record_findings
+    from churchpipe.importing import (
+        UnsoundError,
+        check_drawing,
+        check_findings_apart,
+        free_volume,
+        joint_words,
+        parse_tolerances,
+        record_findings,
+    )
+    from churchpipe.meshes.reader import files_of
 
+    if folder:
+        check_findings_apart(files_of(file), folder)
     try:
         read, contacts = check_drawing(file, reading, tolerances=parse_tolerances(contact_gap, contact_angle, overlap))
     except FindingsError as error:
@@ -133,6 +144,9 @@ def view(
     page = page or Path(f"{file.stem}.view.html")
     if page.is_dir():
         raise UsageError(f"--out {page}", "a folder", expected="the name of the page to write")
+    # Anything else may be the file that is looked at, or another one that somebody wrote.
+    if page.suffix.lower() not in (".html", ".htm"):
+        raise UsageError(f"--out {page}", "not the name of a page", expected="a name that ends in .html")
     write_view(file, page, reading, changes or ())
     out.print(str(page), soft_wrap=True)
     if opens:
@@ -155,7 +169,7 @@ def export_dxf(
     """Write the stones of a case as a DXF drawing, its materials and loads inside."""
     from dataclasses import asdict
 
-    from churchpipe.config.case import Generated, read_case
+    from churchpipe.config.case import Drawing, Generated, read_case
     from churchpipe.dxf.writer import write_dxf
     from churchpipe.meshes.reader import read_file
     from churchpipe.stones.blocks import derive_blocks
@@ -163,6 +177,8 @@ def export_dxf(
     if drawing.suffix.lower() != ".dxf":
         raise UsageError(f"--out {drawing}", "not the name of a drawing", expected="a name that ends in .dxf")
     read = read_case(case, changes or ())
+    if isinstance(read.source, Drawing) and drawing.exists() and drawing.samefile(read.source.path):
+        raise UsageError(f"--out {drawing}", "the drawing that the case is made of", expected="another name")
     if isinstance(read.source, Generated):
         stones = derive_blocks(read.building())
     else:
