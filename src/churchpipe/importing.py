@@ -29,6 +29,7 @@ from churchpipe.meshes.reader import files_of, read_file
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOLERANCES, Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.sizes import size_questions
 from churchpipe.recognition.panels import wall_names
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.account import joint_account, joint_lines
@@ -50,7 +51,8 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 @dataclass(frozen=True, slots=True)
 class Imported:
     """What an import made: the case file, how many stones and their volume (m3), how many more are fixed, the findings
-    (warnings), the keys of the case that nobody gave, and what is to be said of the shell and of the joints."""
+    (warnings), the keys of the case that nobody gave, and what is to be said of the shell and of the joints, and asked of
+    the sizes."""
 
     case: Path
     stones: int
@@ -60,6 +62,7 @@ class Imported:
     missing: tuple[str, ...]
     shell: str
     joints: tuple[str, ...]
+    asked: tuple[str, ...] = ()
 
 
 class UnsoundError(InputError):
@@ -178,7 +181,8 @@ def import_drawing(
     note = f"{shell.note} {gate_words(contacts, shell)}".strip()
     count = drawing.stones.count - fixed
     volume, said = free_volume(drawing.stones), joint_words(drawing.stones, contacts)
-    return Imported(case, count, volume, fixed, drawing.findings, tuple(missing), note, said)
+    asked = tuple(size_questions(drawing.stones))
+    return Imported(case, count, volume, fixed, drawing.findings, tuple(missing), note, said, asked)
 
 
 def free_volume(stones: Assemblage) -> float:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from case_texts import WALL
 from churchpipe import cli, engine
 from churchpipe.config.asrun import claim, other_case
 from churchpipe.config.case import Drawing, read_case, read_variants
@@ -23,6 +24,7 @@ from churchpipe.model.materials import Material
 from churchpipe.resources import sample_case
 from churchpipe.terminal import Reporter
 from command_line import call
+from corpus_files import CORPUS
 from solids import box, on_ground
 
 ARCH = sample_case("arch")
@@ -223,6 +225,41 @@ def test_export_does_not_overwrite_a_case(capsys: pytest.CaptureFixture[str], tm
     assert code == cli.USAGE
     assert "expected a name that ends in .dxf" in err
     assert case.read_text() == ARCH
+
+
+@pytest.mark.parametrize("command", ["check", "import"])
+@pytest.mark.parametrize(
+    ("thickness", "said"),
+    [("300m", "the longest side of a stone is 300 m"), ("0.3mm", "the thickness of most stones is 0.0003 m, usual are 0.005")],
+)
+def test_a_thickness_in_another_unit_is_questioned(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, command: str, thickness: str, said: str
+) -> None:
+    drawing = CORPUS / "not-closed.dxf"
+    options = ("--thickness", thickness)
+    code, _, err = call(capsys, command, drawing, *options, "--out", tmp_path / "new")
+    assert code == 0
+    assert said in err
+
+
+def test_sizes_of_stones_are_questioned_by_the_check_of_a_case(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    given = {"length_m = 1.2": "length_mm = 1.2", "[400, 250, 200]": "[0.4, 0.25, 0.2]"}
+    text = WALL
+    for old, new in given.items():
+        assert old in text
+        text = text.replace(old, new)
+    code, _, err = call(capsys, "check", written(tmp_path, text))
+    assert code == 0
+    assert "the longest side of a stone is 0.0004 m, usual are 0.005 to 25 m" in err
+
+
+@pytest.mark.parametrize("given", ["length_m = ", "brick_m = [0.25, 0.2, "])
+def test_a_number_of_hundreds_of_digits_is_refused(tmp_path: Path, given: str) -> None:
+    key = given.split(" ")[0]
+    line = next(line for line in WALL.splitlines() if line.startswith(key.removesuffix("_m")))
+    text = WALL.replace(line, f"{given}1{'0' * 400}{']' * given.count('[')}")
+    with pytest.raises(InputError, match=rf"line \d, source\.{key}\S*: wrong value; found 1000+ \.\.\. \(401 char"):
+        read_case(written(tmp_path, text))
 
 
 @pytest.mark.parametrize("name", ["case.toml", "wall.obj", "page"])

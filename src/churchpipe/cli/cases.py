@@ -131,6 +131,7 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
     name = f"{path}, {case.variant.name}" if case.variant else str(path)
     free = counted(int((~stones.fixed).sum()), "stone")
     out.print(f"{name}: {free}, {counted(len(contacts.area), 'joint')}.", markup=False, soft_wrap=True)
+    _ask_sizes(stones)
 
 
 def _check_drawn(path: Path, case: Any) -> None:
@@ -146,3 +147,11 @@ def _check_drawn(path: Path, case: Any) -> None:
     out.print(f"{case.source.path}: {counted(free, 'stone')}.", soft_wrap=True)
     for line in joint_words(read.stones, contacts):
         out.print(line, soft_wrap=True)
+    _ask_sizes(read.stones)
+
+
+def _ask_sizes(stones: Any) -> None:
+    from churchpipe.model.sizes import size_questions
+
+    for question in size_questions(stones):
+        err.print(question, markup=False, soft_wrap=True)

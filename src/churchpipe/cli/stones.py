@@ -58,6 +58,8 @@ def import_file(
     out.print(f"Look at it: {folder / 'findings.html'}{more}", markup=False, soft_wrap=True)
     for line in (*done.joints, done.shell):
         out.print(line, markup=False, soft_wrap=True)
+    for question in done.asked:
+        err.print(question, markup=False, soft_wrap=True)
     for key in done.missing:
         out.print(f"Still to be filled in: {key}", markup=False, soft_wrap=True)
     for question in () if done.missing else questions(read_variants(done.case)):
@@ -96,6 +98,7 @@ def check(
         record_findings,
     )
     from churchpipe.meshes.reader import files_of
+    from churchpipe.model.sizes import size_questions
 
     if folder:
         check_findings_apart(files_of(file), folder)
@@ -115,6 +118,8 @@ def check(
     _list(read.findings)
     for line in joint_words(read.stones, contacts):
         out.print(line, markup=False, soft_wrap=True)
+    for question in size_questions(read.stones):
+        err.print(question, markup=False, soft_wrap=True)
     after = f"churchpipe import {shlex.quote(str(file))}"
     if folder:
         record_findings(read.findings, folder, read.units, read.stones, f"{after}, with the same options, makes a case of it.")

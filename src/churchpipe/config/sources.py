@@ -116,4 +116,10 @@ def _nested(value: Any, kind: type[Section]) -> Any:
 def _times(value: Any, factor: float) -> Any:
     if isinstance(value, list):
         return [_times(item, factor) for item in value]
-    return value * factor if isinstance(value, int | float) and not isinstance(value, bool) else value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    try:
+        return value * factor
+    except OverflowError:
+        # A whole number of hundreds of digits is refused, with its line, as it was written.
+        return value

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 _HEIGHT = Usual(0.05, 200.0, "models of tilting tests to the tallest spires")
 _LENGTH = Usual(0.05, 500.0, "models of tilting tests to the longest churches")
 _STONE = Usual(0.005, 25.0, "bricks of models to the largest cut stones")
+_THIN = Usual(0.005, 10.0, "stones of models to the walls of keeps")
 _METRES = UNITS["_m"]
 
 
@@ -24,6 +25,8 @@ def size_questions(stones: "Assemblage") -> list[str]:
     low, high = (reduce.reduceat(stones.points, first)[~stones.fixed] for reduce in (np.minimum, np.maximum))
     side, whole = (high - low).max(axis=1), high.max(axis=0) - low.min(axis=0)
     sizes = (("the height of the structure", _HEIGHT, whole[2]), ("the length of the structure", _LENGTH, whole[:2].max()))
+    thin = np.median((high - low).min(axis=1))
     sides = [("the longest side of a stone", _STONE, side.max()), ("the longest side of a stone", _STONE, side.min())]
+    sides.append(("the thickness of most stones", _THIN, thin))
     asked = [question(name, float(found), usual, _METRES) for name, usual, found in (*sizes, *sides)]
     return list(dict.fromkeys(text for text in asked if text))

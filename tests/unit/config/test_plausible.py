@@ -371,6 +371,9 @@ def test_sizes_are_questioned() -> None:
     height, stone = size_questions(wall)
     assert height.startswith("the height of the structure is 500 m, usual are 0.05 to 200 m")
     assert stone.startswith("the longest side of a stone is 250 m")
+    # A drawing of outlines with a thickness in another unit.
+    [thin] = size_questions(on_ground(box((0, 3), (0, 0.0003), (0, 1)), box((0, 3), (0, 0.0003), (1, 2)), unit_weight=2e4))
+    assert thin.startswith("the thickness of most stones is 0.0003 m, usual are 0.005 to 10 m")
     assert size_questions(on_ground(box((0, 3), (0, 1), (0, 2)), unit_weight=2e4)) == []
 
 
