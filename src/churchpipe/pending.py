@@ -19,6 +19,7 @@ _REASONS = {
     "Missing output files": "not made yet",
     "Input files updated by another job": "what it works on is made anew",
     "Set of input files has changed since last execution": "it works on other files than before",
+    "Forced execution": "a run was stopped while it was made",
     "Params have changed since last execution": "it is called in another way than before",
     "Code has changed since last execution": "it is called in another way than before",
 }

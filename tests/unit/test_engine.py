@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from churchpipe import engine
+from churchpipe.pending import pending
 from processes import group_lives, wait_for
 
 NEWS = engine.Event("done", "blocks", "blocks", 'a "text"\nof two lines', 1.5)
@@ -112,3 +113,12 @@ waiting_engine.main(["local"])
 """
         done = subprocess.run([sys.executable, "-c", program], stdin=theirs.fileno(), capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout) == (seen, "said")
+
+
+def test_a_dry_run_says_in_words_what_a_stopped_run_left(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    said = "[Sat Nov 28 23:12:51 2026]\n"
+    said += "rule contacts:\n    output: a, b\n    reason: Forced execution\n    wildcards: geometry=base\n"
+    done = subprocess.CompletedProcess([], 0, stdout=said, stderr="")
+    monkeypatch.setattr("churchpipe.pending.subprocess.run", lambda *_, **__: done)
+    [job] = pending(tmp_path, lambda _: None)
+    assert (job.stage, job.name, job.why) == ("contacts", "base", "a run was stopped while it was made")

@@ -2,6 +2,7 @@
 
 import difflib
 from collections.abc import Callable, Iterable, Sequence
+from itertools import groupby
 from typing import Annotated, Any, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -50,8 +51,20 @@ def validated(
     try:
         return kind.model_validate(table)
     except ValidationError as error:
-        problems += [_translated(item, kind, place, file, spelled) for item in error.errors()]
+        for whose, items in groupby(error.errors(), key=_whose):
+            first, *others = items
+            problem = _translated(first | {"loc": whose} if others else first, kind, place, file, spelled)
+            expected = ", or ".join([problem.expected, *map(_wanted, others)])
+            problems.append(
+                InputError(problem.where, problem.problem, found=problem.found, expected=expected, remedy=problem.remedy)
+            )
         return None
+
+
+def _whose(item: Any) -> tuple[Any, ...]:
+    """Return the place of an error; where a value may be a number or a text, each has one, and theirs is that of the value."""
+    place = item["loc"]
+    return place[:-1] if place[-1:] in (("float",), ("str",)) and item["type"] != "extra_forbidden" else place
 
 
 class GatheredError(InputError):

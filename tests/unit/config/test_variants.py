@@ -206,6 +206,7 @@ REFUSED = [
     ('change = { "variants.0.name" = "b" }', r"variants\.0\.change: a variant of variants; found variants\.0\.name"),
     ('remove = ["variants"]', r"variants\.0\.remove: a variant of variants"),
     ('add.variants = [{ name = "b" }]', r"variants\.0\.add: a variant of variants"),
+    ("cost = { EUR = inf }", r"line \d+, variants\.0\.cost\.EUR: wrong value; found inf; expected a finite number, or a text in"),
     # One of its own was passed over.
     ('change = { name = "b" }', r"line \d+, variants\.0\.change: a variant of name; found name; expected keys of the building"),
     (
