@@ -65,12 +65,15 @@ def straightened(
     spread = _SPREAD * ragged
     points = stones.points.copy()
     middle = points.mean(axis=0)
+    # Of the wall that each stone is of, zero where there is no plane one.
+    normal = np.zeros((stones.count, 3))
     frames = _frames(plane, spread)
     arcs = [fitted_arc(stones, wall, chart, [axis for axis, _ in frames], spread) for wall, chart in curved]
     for number, (axis, group) in enumerate(frames):
-        blocks = [
-            part for wall, chart in group for part in (wall.stones, unfit[_between_faces(stones, unfit, wall, chart, told.flat)])
-        ]
+        blocks: list[IntArray] = []
+        for wall, chart in group:
+            blocks.append(np.concatenate([wall.stones, unfit[_between_faces(stones, unfit, wall, chart, told.flat)]]))
+            normal[blocks[-1]] = np.cross(chart.s_axis, chart.t_axis)
         own = points_of(stones, np.unique(np.concatenate(blocks)))
         own = np.concatenate([own, *(arc.legs for arc in arcs if number in arc.frames)])
         for line in (axis, np.array([-axis[1], axis[0], 0.0])):
@@ -80,7 +83,7 @@ def straightened(
     for arc in arcs:
         points[arc.bend, :2] = arc.places
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr))
-    points = np.where(_spoilt(stones, points)[owner, None], stones.points, points)
+    points = np.where(_spoilt(stones, points, normal, spread)[owner, None], stones.points, points)
     moved = np.maximum.reduceat(np.linalg.norm(points - stones.points, axis=1), stones.block_point_ptr[:-1])
     return replace(stones, points=points), np.where(moved < _STRAIGHT, 0.0, moved)
 
@@ -137,12 +140,19 @@ def _frames(
     return found
 
 
-def _spoilt(stones: Assemblage, points: FloatArray) -> BoolArray:
-    """Return which stones (nb,) would lose a face, or have a warped one, if their corners were at other points (n, 3)."""
+def _spoilt(stones: Assemblage, points: FloatArray, normal: FloatArray, spread: float) -> BoolArray:
+    """Return which stones (nb,) would lose a face, or have a warped one, if their corners were at other points (n, 3).
+
+    normal (nb, 3): of their walls. Faces that lie on a face of the wall, to `spread` m, may vanish: a front that rounding has bent
+    is drawn in triangles, of which those between corners that are nearly in line are only as wide as the rounding.
+    """
     before, after = (
         np.linalg.norm(face_normals(place, stones.face_nodes, stones.face_ptr)[0], axis=1) for place in (stones.points, points)
     )
     height, extent = face_warps(points, stones.face_nodes, stones.face_ptr)
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
-    bad = (after < _LEFT * before) | (height > FLATNESS * extent + LEAST_WARP)
+    depth = np.einsum("nc,nc->n", stones.points[stones.face_nodes], np.repeat(normal[owner], np.diff(stones.face_ptr), axis=0))
+    start = stones.face_ptr[:-1]
+    front = normal[owner].any(axis=1) & (np.maximum.reduceat(depth, start) - np.minimum.reduceat(depth, start) < spread)
+    bad = (~front & (after < _LEFT * before)) | (height > FLATNESS * extent + LEAST_WARP)
     return np.bincount(owner[bad], minlength=stones.count) > 0

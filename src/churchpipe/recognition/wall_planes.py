@@ -133,11 +133,21 @@ def _level_rounded(pairs: _Pairs, weight: FloatArray, label: IntArray, flat: flo
         near = clusters(np.column_stack([middle[rows] @ normal, thickness]), flat)
         for number in range(int(near.max()) + 1):
             own = rows[near == number]
-            fitted = _fitted(plane[own], middle[own], weight[own])
+            known = own[_in_one_plane(plane[own], weight[own])]
+            fitted = _fitted(plane[known], middle[known], weight[known])
             offset, thickness = middle[own] @ fitted, np.abs(pairs.across[own] @ fitted)
             if np.ptp(offset) <= flat and np.ptp(thickness) <= 2 * flat:
-                plane[own, :2], plane[own, 2] = fitted, np.average(offset, weights=weight[own])
+                plane[own, :2], plane[own, 2] = fitted, np.average(middle[known] @ fitted, weights=weight[known])
                 plane[own, 3], label[own] = np.median(thickness), label.max() + 1
+
+
+def _in_one_plane(plane: FloatArray, weight: FloatArray) -> BoolArray:
+    """Return which planes (n, 4) are the median one, but for the computer's rounding; all where most weight (n,) is in others.
+
+    Stones put back into line tell their plane, and a few that could not be are no reason to move it.
+    """
+    exact = np.abs(plane - np.median(plane, axis=0)).max(axis=1) < _EQUAL
+    return exact if weight[exact].sum() > 0.5 * weight.sum() else np.ones(len(plane), dtype=np.bool_)
 
 
 def _fitted(plane: FloatArray, middle: FloatArray, weight: FloatArray) -> FloatArray:
