@@ -124,7 +124,7 @@ def _drawing(stones: Assemblage, drawn: BoolArray, loads: DrawnLoads, view: View
         axes.add_collection(solid)
     # A plan shows what bears on the walls above it, too.
     reached = draw_loads(axes, loads, turned, None if view is PLAN else cut, figures)
-    _dimensions(axes, low, high, reached, figures)
+    _dimensions(axes, low, high, points[shown[stone_of_point(stones)], :2], reached, figures)
     axes.set_aspect("equal")
     axes.axis("off")
     return svg_of(figure)
@@ -156,15 +156,17 @@ def cut_polygons(stones: Assemblage, shown: BoolArray, points: FloatArray, level
     return found
 
 
-def _dimensions(axes: Any, low: FloatArray, high: FloatArray, reached: FloatArray, figures: float) -> None:
-    """Draw the width below and the height (of a plan: the depth) to the left, in metres.
+def _dimensions(axes: Any, low: FloatArray, high: FloatArray, corners: FloatArray, reached: FloatArray, figures: float) -> None:
+    """Draw the width below and the height (of a plan: the depth) to the left, in metres, beside all stones that are drawn.
 
-    reached: other points (n, 2) drawn; figures: size of the figures, points.
+    low, high: what is measured; corners, reached: points (n, 2) of the stones, supports among them, and of what else is
+    drawn; figures: size of the figures, points.
     """
     gap = 0.06 * float((high - low).max())
+    least, most = np.min([low, *corners], axis=0), np.max([high, *corners], axis=0)
     lines = (
-        ((low[0], low[1] - gap), (high[0], low[1] - gap), high[0] - low[0], 0),
-        ((low[0] - gap, low[1]), (low[0] - gap, high[1]), high[1] - low[1], 90),
+        ((low[0], least[1] - gap), (high[0], least[1] - gap), high[0] - low[0], 0),
+        ((least[0] - gap, low[1]), (least[0] - gap, high[1]), high[1] - low[1], 90),
     )
     for start, end, length, angle in lines:
         axes.annotate(
@@ -175,7 +177,7 @@ def _dimensions(axes: Any, low: FloatArray, high: FloatArray, reached: FloatArra
             *middle, f"{amount(float(length), 2)} m", rotation=angle, fontsize=figures, ha="center", va="center",
             bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
         )  # fmt: skip
-    least, most = np.min([low - 2 * gap, *reached], axis=0), np.max([high + gap, *reached], axis=0)
+    least, most = np.min([least - 2 * gap, *reached], axis=0), np.max([most + gap, *reached], axis=0)
     axes.set_xlim(least[0], most[0])
     axes.set_ylim(least[1], most[1])
 

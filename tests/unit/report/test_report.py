@@ -12,8 +12,11 @@ import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 
+import churchpipe as cp
+from churchpipe import generators
 from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
@@ -199,6 +202,25 @@ def test_dimensions_of_high_drawings_can_be_read_on_paper() -> None:
         sizes = [float(size) for size in re.findall(r"font-size: ([\d.]+)px", drawing)]
         assert sizes
         assert min(sizes) * shown > 6.5
+
+
+def test_dimensions_stand_beside_supports_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An arch on skewbacks, which are drawn and not measured."""
+    stones = cp.derive_blocks(generators.arch(mean_radius=1.0, thickness=0.2, width=0.5, voussoirs=9))
+    drawn: list[tuple[float, float, float]] = []
+
+    def kept(plot: Figure) -> str:
+        (axes,) = plot.axes
+        width = next(text for text in axes.texts if text.get_text().endswith(" m") and not text.get_rotation())
+        lowest = min(float(np.asarray(path.vertices, dtype=float)[:, 1].min()) for path in axes.collections[0].get_paths())
+        drawn.append((axes.get_ylim()[0], float(width.get_position()[1]), lowest))
+        return ""
+
+    monkeypatch.setattr("churchpipe.report.drawings.svg_of", kept)
+    drawings_svg(stones, drawn_loads(stones, []))
+    assert min(lowest for *_, lowest in drawn) < -0.05
+    for least, line, lowest in drawn:
+        assert least < line < lowest
 
 
 def test_long_names_break_at_their_underscores_and_are_escaped() -> None:
