@@ -132,7 +132,8 @@ def new_panels(count: int, size: tuple[float, float]) -> list[Any]:
 
 def svg_of_panels(*axes: Any) -> str:
     """Return the figures of `new_panels` as svg elements in a box."""
-    return '<div class="panels">' + "".join(svg_of(each.figure) for each in axes) + "</div>"
+    kind = "panels many" if len(axes) > 4 else "panels"
+    return f'<div class="{kind}">' + "".join(svg_of(each.figure) for each in axes) + "</div>"
 
 
 def legend_below(*several: Any) -> None:
