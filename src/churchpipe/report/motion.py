@@ -14,6 +14,8 @@ PUSH_LENGTH = 0.16
 ELEVATION = 24.0
 # A side may hide this share of the moving stones that the best side shows; so many stones are looked for.
 HIDDEN, LOOKED_FOR = 0.5, 24
+# Of the score of a side: more than what one analysis of a load differs by from another, and less than what one side shows better.
+_TO_THE_FRONT = 0.02
 
 
 def plastic_size(plastic: FloatArray, thickness: FloatArray) -> FloatArray:
@@ -101,7 +103,8 @@ def viewpoint(stones: Assemblage, velocities: FloatArray) -> FloatArray:
     toward = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
     width = np.abs(toward[:, 1]) * plan[0] + np.abs(toward[:, 0]) * plan[1]
     across = np.abs(toward[:, 0] * drift[1] - toward[:, 1] * drift[0])
-    score = width / width.max() + 0.6 * across + 0.5 * toward @ drift
+    # Where two sides are as good, the front: which one rounding prefers would differ from one analysis to the next.
+    score = width / width.max() + 0.6 * across + 0.5 * toward @ drift - _TO_THE_FRONT * toward[:, 1]
     rise = np.deg2rad(ELEVATION)
     eyes = np.column_stack([np.cos(rise) * toward, np.full(len(toward), np.sin(rise))])
     shown = _shown(stones, velocities, eyes)
