@@ -13,7 +13,7 @@ from churchpipe.model.results import CapacityCurve
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.swept import MESH_SIZE, of_both
 from churchpipe.report.shell_plots import capacity_svg, domain_svg, mesh_svg
-from churchpipe.report.table import Row, figure, friction_text, minus, setting, small, swept
+from churchpipe.report.table import Row, figure, friction_text, minus, setting, swept
 
 
 def question(row: Row) -> tuple[str, ...]:
@@ -73,7 +73,14 @@ def _quantity(value: float, unit: str) -> str:
 def _apart(item: Figure) -> tuple[str, str]:
     if item.unit == "degrees":
         return f"{item.difference:.2f}\u00b0", f"{item.tolerance:g}\u00b0"
-    return small(item.difference), f"{100 * item.tolerance:g} %"
+    return _percent(100 * item.difference), f"{100 * item.tolerance:g} %"
+
+
+def _percent(value: float) -> str:
+    """Return per cent as text that can be compared with what is allowed; what rounding leaves is not counted out."""
+    if 0 < value < 1e-3:
+        return "< 0.001 %"
+    return f"{value:.2f} %" if value >= 1 else f"{value:.3g} %"
 
 
 def capacity_plots(rows: Sequence[Row]) -> list[tuple[str, str]]:

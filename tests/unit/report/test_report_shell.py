@@ -13,7 +13,7 @@ from churchpipe.homogenised_shell.strength import paper_planes
 from churchpipe.io.records import Analysis
 from churchpipe.io.summary import Pair
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
-from churchpipe.report.both import capacity_plots, compared, mesh_plot, partner
+from churchpipe.report.both import capacity_plots, compared, gate, mesh_plot, partner
 from churchpipe.report.motion import joint_opening, opened_joints, plastic_size, reference_strain
 from churchpipe.report.page import template
 from churchpipe.report.shell_picture import shell_picture
@@ -21,7 +21,7 @@ from churchpipe.report.shell_plots import bend_of, capacity_svg, domain_section,
 from churchpipe.report.shell_view import borders, joint_outlines, shell_data
 from churchpipe.report.table import Row
 from churchpipe.stones.contacts import find_contacts
-from records import analysis
+from records import analysis, summary
 from shell_meshes import grid, joined_walls, shell, wall_points
 from solids import box, on_ground
 
@@ -193,6 +193,16 @@ def test_sections_of_the_domain_agree_with_the_planes_where_these_are_exact() ->
 def test_the_gate_says_what_mid_surfaces_come_to(overlap: str, told: str) -> None:
     match = {"passed": True, "message": "", "unfit": (), "moved": "", "rows": [["weight", "1 N", "1 N", "0", "1 %", "agrees"]]}
     assert told in " ".join(template("match.html").render(match={**match, "junction_overlap": overlap}).split())
+
+
+@pytest.mark.parametrize(
+    ("difference", "told"), [(0.0, "0 %"), (1.3e-16, "< 0.001 %"), (3.2e-4, "0.032 %"), (0.00503, "0.503 %"), (0.0212, "2.12 %")]
+)
+def test_the_gate_tells_differences_as_it_tells_what_is_allowed(difference: float, told: str) -> None:
+    weight = {"name": "weight", "stones": 1.0, "shell": 1.0, "unit": "N", "difference": difference, "tolerance": 0.005}
+    shown = gate(summary(match={"figures": [weight]}), [])
+    assert shown is not None
+    assert shown["rows"][0][3:5] == [told, "0.5 %"]
 
 
 @pytest.mark.slow
