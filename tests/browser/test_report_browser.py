@@ -1,6 +1,7 @@
 """The report in a real browser: the tools of its viewer, what it saves, and no word of complaint on the console."""
 
 import io
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -194,6 +195,10 @@ def test_a_stone_is_found_by_its_name_and_marked(page: Page) -> None:
     assert page.inner_text("#viewer-picked").startswith(f"Stone {name}: wall")
     assert "bed" in page.inner_text("#viewer-joints")
     assert page.locator("#viewer-canvas").screenshot() != before
+    # How far it moves is told for what is shown.
+    told = page.inner_text("#viewer-picked")
+    page.locator("#viewer-amplitude").fill("90")
+    assert page.inner_text("#viewer-picked") != told
 
 
 def test_keys_turn_and_zoom_the_view(page: Page) -> None:
@@ -296,3 +301,6 @@ def test_pictures_and_tables_are_saved(page: Page) -> None:
     text = Path(table.value.path()).read_text(encoding="utf-8-sig")
     assert "Load factor" in text
     assert "0.470951" in text
+    # Spreadsheets know no other minus sign.
+    assert re.search(r",\d\.\de-\d\d,", text)
+    assert "\u2212" not in text

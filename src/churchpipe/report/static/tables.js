@@ -1,7 +1,12 @@
 // A button beside each table of the report that saves it as CSV; tables wider than the page are drawn closer, or stacked, row below row.
 // A text that a spreadsheet would compute stands behind an apostrophe; axes, numbers and per cent are none.
 const harmless = /^(?:[+-][xyz]|[+-]?\d[\d.,]*(?:e[+-]?\d+)?(?: %)?|[^=+\-@].*|)$/s;
-const plain = (text) => (harmless.test(text) ? text : `'${text}`);
+// Spreadsheets take a typographic minus sign for a letter.
+const minusSign = /^\u2212(?=[xyz]$|\d)|(?<=^[\u2212\d.,]+e)\u2212(?=\d)/g;
+const plain = (text) => {
+  const typed = text.replace(minusSign, "-");
+  return harmless.test(typed) ? typed : `'${typed}`;
+};
 const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
 
 document.querySelectorAll(".scroll > table").forEach((table, number) => {

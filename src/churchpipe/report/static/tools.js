@@ -97,7 +97,10 @@ export function showJoints(data, joints, stone, values, mark) {
   const box = element("viewer-joints");
   box.replaceChildren();
   if (stone === null || !joints) return;
-  const number = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : "");
+  const number = (value) => (Number.isFinite(value) ? value.toFixed(3) : "");
+  // kN: three figures where three decimals would leave fewer, because the joints of a model bear newtons; what is below is rounding.
+  const force = (newtons) =>
+    Math.abs(newtons) >= 1e-3 && Math.abs(newtons) < 100 ? String(Number((newtons / 1e3).toPrecision(3))) : number(newtons / 1e3);
   const table = document.createElement("table");
   table.append(row(HEADINGS, "th"));
   for (let i = 0; i < joints.kind.length; i++) {
@@ -105,8 +108,8 @@ export function showJoints(data, joints, stone, values, mark) {
     if (first !== stone && second !== stone) continue;
     const [normal, shear, opening, slip] = values.subarray(4 * i, 4 * i + 4);
     const across = first === stone ? second : first, name = document.createElement("button");
-    const line = row(["", joints.kinds[joints.kind[i]], number(normal / 1e3, 3),
-      number(shear / 1e3, 3), normal > 0 ? number(shear / normal, 3) : "", number(opening, 3), number(slip, 3)], "td");
+    const line = row(["", joints.kinds[joints.kind[i]], force(normal),
+      force(shear), normal > 0 ? number(shear / normal) : "", number(opening), number(slip)], "td");
     name.type = "button";
     name.textContent = data.id[across];
     name.addEventListener("click", () => {
@@ -117,5 +120,9 @@ export function showJoints(data, joints, stone, values, mark) {
     line.firstChild.append(name);
     table.append(line);
   }
-  box.append(table);
+  const note = document.createElement("p");
+  note.className = "small";
+  note.textContent = "Forces are resultants, of one equilibrium of many. " +
+    "Rates are speeds of the mechanism, whose size means nothing: compare them with each other.";
+  box.append(table, note);
 }

@@ -183,6 +183,7 @@ function start(canvas, renderer) {
     element("viewer-moved").textContent = path ? words : state.analysis.moving
       ? `largest displacement ${lengthText(amplitude * state.analysis.reference_speed)}` : "no mechanism";
     canvas.dataset.amplitude = amplitude;
+    name();
     draw();
   }
 
@@ -199,6 +200,7 @@ function start(canvas, renderer) {
     }
     enable();
     arrow.clear();
+    forget();
     if (state.analysis.push) arrow.add(arrowOf(state.analysis.push, pushed));
     chosen(state.stone ?? null);
     move();
@@ -298,12 +300,13 @@ function start(canvas, renderer) {
     const seen = (place) => renderer.clippingPlanes.every((plane) => plane.distanceToPoint(place) >= 0);
     const hit = ray.intersectObject(stones).find((found) => seen(found.point));
     const stone = hit ? stoneOfPoint[hit.face.a] : null;
-    element("viewer-picked").textContent = hit ? describe(stone) : "";
+    element("viewer-picked").textContent = "";
     chosen(stone);
   }
 
   function chosen(stone) {
     Object.assign(state, { stone, across: null });
+    name();
     showJoints(data, state.analysis.path ? null : joints, stone, state.analysis.joints, (across) => {
       state.across = across;
       recolour();
@@ -326,10 +329,20 @@ function start(canvas, renderer) {
     draw();
   }
 
-  function find(name) {
-    const stone = data.id.indexOf(name);
-    element("viewer-picked").textContent = stone >= 0 ? describe(stone) : name ? `no stone ${name}` : "";
+  function find(wanted) {
+    const stone = data.id.indexOf(wanted);
+    element("viewer-picked").textContent = wanted ? `no stone ${wanted}` : "";
     chosen(stone >= 0 ? stone : null);
+  }
+
+  // How far the stone that is picked has moved changes with the amplitude and with the analysis.
+  function name() {
+    if (Number.isInteger(state.stone)) element("viewer-picked").textContent = describe(state.stone);
+  }
+
+  // What was said of a facet of the shell was of another analysis.
+  function forget() {
+    if (!Number.isInteger(state.stone)) element("viewer-picked").textContent = "";
   }
 
   function describe(s) {
@@ -341,7 +354,12 @@ function start(canvas, renderer) {
 
   element("viewer-analysis").addEventListener("change", (e) => { choose(Number(e.target.value)); });
   if (shell) {
-    element("viewer-shell").addEventListener("change", (e) => { shell.choose(Number(e.target.value)); recolour(); move(); });
+    element("viewer-shell").addEventListener("change", (e) => {
+      shell.choose(Number(e.target.value));
+      forget();
+      recolour();
+      move();
+    });
     element("viewer-view").addEventListener("change", (e) => { show(e.target.value); });
   }
   element("viewer-colour").addEventListener("change", (e) => { state.byPanel = e.target.value === "panel"; recolour(); });
