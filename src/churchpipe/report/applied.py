@@ -22,6 +22,8 @@ _ARROW, _ARROWS = 0.08, 25
 _GAINS = 4
 # A table of more rows than `_WHOLE` has so many before it, those that govern.
 _WHOLE, LEADING = 12, 8
+# A tie with less than this share of its strength is slack: what rounding leaves.
+_SLACK = 1e-6
 
 
 def load_rows(applied: Iterable[Applied]) -> list[list[str]]:
@@ -60,7 +62,7 @@ def tie_rows(rows: Sequence[Row]) -> list[list[str]]:
         [
             row.label,
             tie.name,
-            amount(tie.tension / 1e3, 1),
+            amount(0.0 if tie.tension <= _SLACK * tie.strength else tie.tension / 1e3, 1),
             amount(tie.strength / 1e3, 1),
             "" if math.isnan(tie.share) else f"{tie.share:.2f}",
             "at its strength" if tie.yielded else "below it",

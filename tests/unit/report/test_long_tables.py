@@ -40,6 +40,11 @@ def test_the_most_stressed_of_many_ties_stand_before_all(tmp_path: Path) -> None
     assert f"The {LEADING} that govern: ties at their strength, and those nearest to it." in Page(page).text
 
 
+def test_a_slack_tie_has_no_tension(tmp_path: Path) -> None:
+    shown, whole, _ = tables(tmp_path, tie_forces=ties(np.array([1e-13, 1e-3])))
+    assert [row[2] for row in shown + whole] == ["0.0", "0.04"]
+
+
 def test_no_tie_at_its_strength_is_hidden(tmp_path: Path) -> None:
     shares = np.where(np.arange(19) % 3 < 2, 1.0, SHARES)
     shown, whole, _ = tables(tmp_path, tie_forces=ties(shares))
