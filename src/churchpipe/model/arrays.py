@@ -10,10 +10,11 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import describe
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
-BoolArray = npt.NDArray[np.bool_]
-NameArray = npt.NDArray[np.str_]
+# Written out, because dataclasses are read by their annotations: from NumPy 2.5 on NDArray is an alias that hides ndarray.
+FloatArray = np.ndarray[tuple[Any, ...], np.dtype[np.float64]]
+IntArray = np.ndarray[tuple[Any, ...], np.dtype[np.int64]]
+BoolArray = np.ndarray[tuple[Any, ...], np.dtype[np.bool_]]
+NameArray = np.ndarray[tuple[Any, ...], np.dtype[np.str_]]
 
 
 def _frozen(array: npt.NDArray[Any], given: object) -> npt.NDArray[Any]:
