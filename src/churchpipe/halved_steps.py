@@ -13,7 +13,7 @@ from churchpipe.displacement_check import displacement_check
 from churchpipe.large_displacements.seats import lost_seat
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import ALIKE, BlockCapacityCurve, step_difference
-from churchpipe.model.checks import DisplacementCheck
+from churchpipe.model.checks import UNRELIABLE, DisplacementCheck
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.placed_loads import Applied
 
@@ -69,7 +69,7 @@ def _apart(curve: BlockCapacityCurve, halved: BlockCapacityCurve) -> str:
     )
     if share <= APART:
         return told
-    return f"{told} More than one motion fits these stones, and little decides between them: no single curve is to be relied on."
+    return f"{told} More than one motion fits these stones, and little decides between them: {UNRELIABLE}."
 
 
 def _end(curve: BlockCapacityCurve) -> str:

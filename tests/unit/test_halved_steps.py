@@ -17,6 +17,7 @@ from churchpipe.io.recording import curve_record_of, halved_record
 from churchpipe.model.block_curve import BlockCapacityCurve, step_difference
 from churchpipe.report.block_curves import block_curve_plots
 from churchpipe.report.displacements import displacement_checks
+from churchpipe.report.page import template
 from churchpipe.spectrum import SiteSpectrum
 from records import analysis
 from solids import box, on_ground
@@ -129,6 +130,14 @@ def test_the_report_shows_both(curve: BlockCapacityCurve) -> None:
     shown = displacement_checks([record], None)
     assert shown is not None
     assert shown["checks"][0].halved == checked.halved
+    # Another curve is bad news; the same one is not.
+    assert not shown["checks"][0].steady
+    same = displacement_checks([replace(record, check=careful_check(curve, curve, TALL, PUSH, SITED))], None)
+    assert same is not None
+    (alike,) = same["checks"]
+    assert alike.steady
+    text = template("displacements.html").render(displacements=same)
+    assert ('<p class="notice">' in text) == alike.severe == ("not safe here" in alike.governs)
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,9 @@ _Length = Annotated[float, Quantity("_m")]
 _Lengths = Annotated[tuple[float, ...], Quantity("_m")]
 _Accelerations = Annotated[tuple[float, ...], Quantity("_m_s2")]
 
+# How a check ends what it says of a curve that is another one with steps half as long.
+UNRELIABLE = "no single curve is to be relied on"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.io.records import Analysis
-from churchpipe.model.checks import DisplacementCheck
+from churchpipe.model.checks import UNRELIABLE, DisplacementCheck
 from churchpipe.report import colours
 from churchpipe.report.block_curves import curve_label
 from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
@@ -28,7 +28,10 @@ _LIMIT_COLOURS = {"SLV": colours.PUSH, "SLC": colours.ALARM}
 
 @dataclass(frozen=True, slots=True)
 class ShownCheck:
-    """A check as the report shows it: facts (words, value), rows of limit states, what is said of it, "" for nothing."""
+    """A check as the report shows it: facts (words, value), rows of limit states, what is said of it, "" for nothing.
+
+    severe: it withstands less than the check with q; steady: steps half as long change little.
+    """
 
     label: str
     diagram: str
@@ -39,6 +42,8 @@ class ShownCheck:
     unproved: str
     halved: str
     lost_seat: str
+    severe: bool
+    steady: bool
 
 
 def displacement_checks(analyses: Sequence[Analysis], geometry: str | None) -> dict[str, Any] | None:
@@ -73,7 +78,8 @@ def _shown(label: str, check: DisplacementCheck) -> ShownCheck:
         for name, limit in check.limit_states.items()
     ]
     said = check.governs, check.missing, check.unproved, check.halved, check.lost_seat
-    return ShownCheck(label, adrs_svg(check), _facts(check), rows, *said)
+    severe = check.force_based is not None and check.a_g_slv < check.force_based.a_g_slv
+    return ShownCheck(label, adrs_svg(check), _facts(check), rows, *said, severe=severe, steady=UNRELIABLE not in check.halved)
 
 
 def _facts(check: DisplacementCheck) -> list[tuple[str, str]]:

@@ -43,7 +43,7 @@ from churchpipe.report.page import template
 from churchpipe.report.paths import Followed, crack_maps, path_label, snapshots, viewer_path
 from churchpipe.report.plots import convergence_svg, gaps_svg
 from churchpipe.report.published import published_rows
-from churchpipe.report.safety import CUT_OFF, check_table, fails, part_overview, part_tables, safety_index, what_moves
+from churchpipe.report.safety import CUT_OFF, check_table, fails, overall, part_overview, part_tables, safety_index, what_moves
 from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
@@ -123,6 +123,7 @@ def write_report(
             parts=part_tables(rows),
             part_overview=part_overview(rows),
             check=check_table(rows),
+            verdict=overall(asis, [both.question(row) for row in asis]),
             cut_off=CUT_OFF,
             match=both.gate(summary, list(meshes)),
             compared=both.compared(summary.comparison, rows),

@@ -1,7 +1,7 @@
 """The safety check and the macro-elements of the mechanisms, as the rows of two tables."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from typing import Any
 
 from churchpipe.io.records import Analysis
@@ -93,6 +93,43 @@ def safety_index(row: Row) -> str:
 def fails(row: Row) -> bool:
     """Return whether a row's check was made and is not satisfied."""
     return row.record.check is not None and row.record.check.satisfied is False
+
+
+def overall(rows: Sequence[Row], questions: Sequence[Hashable]) -> dict[str, Any] | None:
+    """Return the verdict on all loads of the building as it is, None where the case says nothing of the site: satisfied, words.
+
+    questions: what each row asks. Where one has a capacity curve the check by displacements governs, as the rule of the circular;
+    else the lowest zeta_E does.
+    """
+    asked: dict[Hashable, list[Row]] = {}
+    for row, question in zip(rows, questions, strict=True):
+        if row.record.check is not None and row.record.check.satisfied is not None:
+            asked.setdefault(question, []).append(row)
+    if not asked:
+        return None
+    found = [_lowest([row for row in of_one if row.record.method == "curve"] or of_one) for of_one in asked.values()]
+    lead, failed = _lowest(found), [row for row in found if fails(row)]
+    of_site = figure(lead.record.check.a_g if lead.record.check else None, 3)
+    words = (
+        f"the lowest \u03b6_E, the share of the ground acceleration asked for that it withstands, is {figure(_zeta(lead), 2)} "
+        f"({lead.label}), for a_g = {of_site} m/s\u00b2."
+    )
+    loads = ", ".join(dict.fromkeys(row.load for row in failed))
+    told = f"Under {loads} the building does not bear what the earthquake asks;" if failed else "Of the loads of the case"
+    words = f"{told} {words}"
+    if lead.record.flow == "associative":
+        words += " It is made of an associative load factor, an upper estimate where joints slide."
+    if any(row.of_shell for row in rows):
+        words += " The check is of the stones; the shell has none."
+    return {"satisfied": not failed, "words": words}
+
+
+def _lowest(rows: Sequence[Row]) -> Row:
+    return min(rows, key=_zeta)
+
+
+def _zeta(row: Row) -> float:
+    return row.record.check.zeta_e if row.record.check else math.inf
 
 
 def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:

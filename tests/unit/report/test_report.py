@@ -19,6 +19,7 @@ import churchpipe as cp
 from churchpipe import generators
 from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.checks import DisplacementCheck, SafetyCheck
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.results import Iteration
 from churchpipe.report.drawings import ELEVATIONS, PLAN, View, cut_polygons, drawings_svg, elevations, sections
@@ -29,6 +30,7 @@ from churchpipe.report.motion import camera_position, displaced_points, ground_p
 from churchpipe.report.notes import status_note
 from churchpipe.report.page import breakable
 from churchpipe.report.plots import WIDTH, convergence_svg, gaps_svg, legend_below, new_plot
+from churchpipe.report.safety import overall
 from churchpipe.report.surface import edges, triangles
 from churchpipe.report.table import COLUMNS, Row, amount, figure, small
 from churchpipe.report.title_block import material_rows, title_block
@@ -572,6 +574,15 @@ def test_the_check_with_a_site_has_a_verdict(tmp_path: Path, changes: dict, word
     check = CHECK | SITED | changes
     other = {"message": "check: the load is not horizontal."}
     text = report(tmp_path, [(record_of(state, check=check), state), (record_of(state, "up", check=other), state)])
+    # The verdict on the building stands before all load factors.
+    told = "satisfied" if word == "satisfied" else "not satisfied"
+    before = " ".join(Page(text.partition('<section class="cards"')[0]).text.split())
+    assert f"Safety check: {told}." in before
+    assert (
+        "is 2.02 (associative, load +x, friction 0.7), for a_g = 1.500 m/s\u00b2. It is made of an associative load factor"
+        in before
+    )
+    assert ("Under +x the building does not bear" in before) == (told == "not satisfied")
     # A card whose check fails is not as green as the solver is content.
     assert ('class="card optimal unsafe"' in text) == (word != "satisfied")
     page = Page(text)
@@ -580,6 +591,23 @@ def test_the_check_with_a_site_has_a_verdict(tmp_path: Path, changes: dict, word
     assert f"\u03b6_E = 2.02, {word}; with e* of the stones 2.24" in page.text
     assert "a_Z / q" not in page.text
     assert "no check. check: the load is not horizontal." in page.text
+
+
+def test_of_a_load_the_check_by_displacements_governs_and_of_several_loads_the_lowest() -> None:
+    def row(load: str, zeta_e: float, check: type[SafetyCheck | DisplacementCheck], **more: str) -> Row:
+        satisfied = zeta_e >= 1
+        return Row(replace(analysis(load=load, **more), check=check(zeta_e=zeta_e, a_g=1.5, satisfied=satisfied)))
+
+    rows = [row("+x", 0.8, SafetyCheck), row("+x", 1.4, DisplacementCheck, method="curve"), row("+y", 1.6, SafetyCheck)]
+    asked = [one.load for one in rows]
+    found = overall(rows, asked)
+    assert found is not None
+    assert (found["satisfied"], "is 1.40 (capacity curve" in found["words"]) == (True, True)
+    found = overall([*rows, row("-y", 0.9, SafetyCheck)], [*asked, "-y"])
+    assert found is not None
+    assert not found["satisfied"]
+    assert found["words"].startswith("Under \u2212y the building does not bear")
+    assert overall([Row(analysis())], ["+x"]) is None
 
 
 def test_without_check_and_parts_there_are_no_such_sections(tmp_path: Path) -> None:
