@@ -3,7 +3,7 @@
 import json
 import math
 import re
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -195,7 +195,9 @@ def test_the_record_of_a_curve(curve: BlockCapacityCurve) -> None:
 def test_the_control_point_of_a_curve_changes_nothing(curve: BlockCapacityCurve) -> None:
     top = cp.block_pushover(LEANING, cp.find_contacts(LEANING), PUSH, 0.7, step=0.025, control=(0.5, 0, 2))
     assert top.d0 > 1.5 * curve.d0
-    assert displacement_check(top, LEANING, PUSH, SITED) == displacement_check(curve, LEANING, PUSH, SITED)
+    # Dataclasses with a NaN that is in both are not equal from Python 3.13 on; dictionaries are.
+    found, expected = (asdict(displacement_check(one, LEANING, PUSH, SITED)) for one in (top, curve))
+    assert found == expected
 
 
 MASSES = pytest.mark.slow("docs/displacement_check.md: masses on a block")
