@@ -143,8 +143,8 @@ def _frames(
 def _spoilt(stones: Assemblage, points: FloatArray, normal: FloatArray, spread: float) -> BoolArray:
     """Return which stones (nb,) would lose a face, or have a warped one, if their corners were at other points (n, 3).
 
-    normal (nb, 3): of their walls. Faces that lie on a face of the wall, to `spread` m, may vanish: a front that rounding has bent
-    is drawn in triangles, of which those between corners that are nearly in line are only as wide as the rounding.
+    normal (nb, 3): of their walls. Faces that lie on a face of the wall, to `spread` m, may vanish: a front that rounding has
+    bent is drawn in triangles, of which those between corners that are nearly in line are only as wide as the rounding.
     """
     before, after = (
         np.linalg.norm(face_normals(place, stones.face_nodes, stones.face_ptr)[0], axis=1) for place in (stones.points, points)
