@@ -51,11 +51,11 @@ def _of_large(
     """Return the attempt at a step of a large model.
 
     In this order until one will do: stones that their neighbours cannot carry, the last forces, forces that fit the last motion,
-    stones that the dead load brings down, those that give way before all others, the forces of one associative program near the
-    last motion.
+    stones that the dead load brings down, those that only forces across gaps would hold, those that give way before all others,
+    the forces of one associative program near the last motion.
     """
     model = motions.model
-    if (fall := _unsupported(motions, program, gap)) is not None:
+    if (fall := unsupported_fall(motions, program, gap, PATH.open)) is not None:
         return Attempt(fall, last.length)
     # A program that has no solution need not be shown twice to have none: the search from nothing shows it once more.
     own = solver_for(program.balance, "interior-point") if model.solver == "auto" else None
@@ -68,18 +68,22 @@ def _of_large(
         attempt = search.under_dead_load()
     if attempt.will_do(PATH.credible) or attempt.answer.outcome == "infeasible":
         return attempt
-    if (fall := search.giving_way(PATH.withstood * motions.state.load_factor, own)) is not None:
-        return fall
+    # Once nothing fits, stones that hang on joints which are open, if only a little, are not taken to stand.
+    if (fall := unsupported_fall(motions, program, gap, PATH.drift)) is not None:
+        return Attempt(fall, last.length)
+    if (way := search.giving_way(PATH.withstood * motions.state.load_factor, own)) is not None:
+        return way
     return _better(attempt, search.onward(sliding, last.answer.y, pairs, own))
 
 
-def _unsupported(motions: Motions, program: StepProgram, gap: FloatArray) -> StepAnswer | None:
+def unsupported_fall(motions: Motions, program: StepProgram, gap: FloatArray, wide: float) -> StepAnswer | None:
     """Return the fall of a few light stones that their neighbours cannot carry, None where there are none such.
 
-    Joints that have opened carry nothing. The programs of the step would let a stone hang on them, at the price of their gaps.
+    Joints that have opened carry nothing, by more than the share `wide` of the step. The programs of the step would let a stone
+    hang on them, at the price of their gaps.
     """
     strength, fallen = program.strength, np.zeros(len(motions.stones.weight), dtype=bool)
-    for bound in (np.where(_open(motions.model, gap), 0.0, strength.bound), strength.bound):
+    for bound in (np.where(_open(motions.model, gap, wide), 0.0, strength.bound), strength.bound):
         bearing = replace(program, strength=replace(strength, bound=bound))
         falling = unsupported(bearing, PATH.withstood * motions.state.load_factor)
         fallen[motions.free] = falling
@@ -112,9 +116,9 @@ def _last_forces(model: MovingModel, state: PathState, gap: FloatArray) -> Float
     return forces
 
 
-def _open(model: MovingModel, gap: FloatArray) -> BoolArray:
-    """Return which points (nc,) are so far open that they hold nothing; gap (nc,) m."""
-    return gap > PATH.open * model.step
+def _open(model: MovingModel, gap: FloatArray, wide: float = PATH.open) -> BoolArray:
+    """Return which points (nc,) are open by more than this share of the step, so that they hold nothing; gap (nc,) m."""
+    return gap > wide * model.step
 
 
 def _better(one: Attempt, other: Attempt) -> Attempt:

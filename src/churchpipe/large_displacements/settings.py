@@ -57,7 +57,7 @@ class PathSettings:
         would along the last step, as when a joint stops sliding or another hinge opens. lengths: times that pairs of programs
         are begun, each with the length of step of the last motion. open: a joint of a large model that is wider than this share
         of the step holds nothing as it begins. drift: a gap narrower than this share of the step is one that steps make
-        themselves; forces across wider ones are told as a jump.
+        themselves; forces across wider ones are told as a jump, and hold no stone of a large model where no motion fits.
 
     Programs of a step:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and

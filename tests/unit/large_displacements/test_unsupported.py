@@ -9,9 +9,12 @@ from scipy.spatial.transform import Rotation
 import churchpipe as cp
 from churchpipe.conic.solve import solver_for
 from churchpipe.conic.wrenches import pair_wrenches
-from churchpipe.large_displacements.moving_model import moving_model
+from churchpipe.large_displacements.motions import Motions
+from churchpipe.large_displacements.moving_model import MovingModel, moving_model
 from churchpipe.large_displacements.path_state import first_state
-from churchpipe.large_displacements.state_program import step_program
+from churchpipe.large_displacements.seeking import unsupported_fall
+from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.state_program import state_program, step_program
 from churchpipe.large_displacements.step import StepProgram, fallen_alone
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.large_displacements.unsupported import unsupported
@@ -21,10 +24,14 @@ from churchpipe.rigid_blocks.equilibrium import equilibrium
 from solids import box, moved, on_ground
 
 
-def program_of(stones: Assemblage, friction: float = 0.6) -> StepProgram:
+def model_of(stones: Assemblage, friction: float = 0.6) -> MovingModel:
     contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0))
     balance = equilibrium(stones, contacts, load)
-    model = moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, ~stones.fixed, None, "auto")
+    return moving_model(stones, contacts, load, live_loads(stones, load), friction, balance, ~stones.fixed, None, "auto")
+
+
+def program_of(stones: Assemblage, friction: float = 0.6) -> StepProgram:
+    model = model_of(stones, friction)
     return step_program(model, first_state(model))
 
 
@@ -54,6 +61,21 @@ def test_a_stone_between_two_others_is_held_by_friction_alone(friction: float, f
     beside = box((0, 1), (0, 1), (0, 2)), box((0, 1), (1.5, 2.5), (0, 2))
     stones = on_ground(*beside, box((0, 1), (1, 1.5), (1, 2)))
     assert unsupported(program_of(stones, friction), 0.0).tolist() == [False, False, falls]
+
+
+@pytest.mark.parametrize(("share", "falls"), [(0.5 * PATH.drift, False), (2.0 * PATH.drift, True)])
+def test_a_stone_hangs_on_joints_that_are_hardly_open_only_where_a_motion_fits(share: float, falls: bool) -> None:
+    beside = box((0, 4), (0, 4), (0, 4)), box((0, 4), (4.5, 8.5), (0, 4))
+    stones = on_ground(*beside, box((0, 1), (4, 4.5), (1, 2)))
+    model = model_of(stones)
+    state = first_state(model)
+    _, program, free, gap = state_program(model, state)
+    gap[(state.joints.pair == np.flatnonzero(~stones.fixed)[2]).any(axis=1)] = share * model.step
+    motions, program = Motions(model, state, stones, free), program.within(gap, program.softness, state.length)
+    assert unsupported_fall(motions, program, gap, PATH.open) is None
+    fall = unsupported_fall(motions, program, gap, PATH.drift)
+    assert (fall is not None) == falls
+    assert fall is None or motions.falling(fall).nonzero()[0].tolist() == [free[2]]
 
 
 @pytest.mark.parametrize(("width", "friction", "limit"), [(0.6, 0.6, 0.3), (2.0, 0.4, 0.4)])
