@@ -3,6 +3,7 @@
 import errno
 import io
 import os
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -11,20 +12,23 @@ from case_texts import WALL
 from churchpipe import cli, engine
 from churchpipe.config.asrun import claim, other_case
 from churchpipe.config.case import Drawing, read_case, read_variants
+from churchpipe.config.laid_sizes import laying_questions
 from churchpipe.config.plan import plan
 from churchpipe.dxf.reader import read_dxf
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError, UsageError
 from churchpipe.findings import FindingsError
 from churchpipe.finished import run_name
-from churchpipe.importing import import_drawing
+from churchpipe.importing import import_drawing, parse_length
 from churchpipe.io.atomic import write_text
+from churchpipe.model.doubts import DoubtfulValue
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
 from churchpipe.resources import sample_case
 from churchpipe.terminal import Reporter
 from command_line import call
 from corpus_files import CORPUS
+from mesh_files import write_dxf_outlines
 from solids import box, on_ground
 
 ARCH = sample_case("arch")
@@ -240,6 +244,28 @@ def test_a_thickness_in_another_unit_is_questioned(
     code, _, err = call(capsys, command, drawing, *options, "--out", tmp_path / "new")
     assert code == 0
     assert said in err
+
+
+@pytest.mark.parametrize(("option", "length"), [("course", "0.02mm"), ("stone", "0.02mm"), ("course", "30m")])
+def test_stones_in_another_unit_are_questioned_before_any_is_laid(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, option: str, length: str
+) -> None:
+    wall = write_dxf_outlines(on_ground(box((0, 3), (0, 0.3), (0, 2)), reach=4), tmp_path)
+    sizes = {"course": "0.25m", "stone": "0.5m"} | {option: length}
+    options = [word for name, size in sizes.items() for word in (f"--{name}", size)]
+    found = {"0.02mm": "0.02", "30m": "3e+04"}[length]
+    code, _, err = call(capsys, "check", wall, "--bond", "running", *options)
+    assert err.startswith(f"--{option} is {found} mm, usual are 5 to 25000 mm: bricks of models")
+    assert code == 1
+    assert "no stones can be laid in " in err
+    with pytest.warns(DoubtfulValue, match=rf"read_dxf: {option} is .* mm"), suppress(InputError):
+        read_dxf(wall, bond="running", **{name: parse_length(name, size) for name, size in sizes.items()})
+    key = {"course": "course", "stone": "stone_length"}[option]
+    case = read_case(written(tmp_path, sample_case("apse")), [f"source.{key}_m={parse_length(option, length)}"])
+    [asked] = laying_questions([case, case])
+    assert asked.startswith(f"source.{key}_mm is {found} mm, usual are")
+    bricks = read_case(written(tmp_path, WALL), ["source.brick_mm=[0.4, 250, 200]"])
+    assert [text.partition(",")[0] for text in laying_questions([bricks])] == ["source.brick_mm is 0.4 mm"]
 
 
 def test_sizes_of_stones_are_questioned_by_the_check_of_a_case(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -77,10 +77,14 @@ def read_sound(path: Path, changes: Sequence[str]) -> Any:
 def check_case(path: Path, changes: Sequence[str]) -> None:
     """Lay the stones of all buildings of a case, or read its drawing, and say what a run would make."""
     from churchpipe.config.case import Generated, read_variants
+    from churchpipe.config.laid_sizes import laying_questions
     from churchpipe.config.plan import plan
     from churchpipe.config.plausible import work_questions
 
     cases = read_variants(path, changes)
+    first = laying_questions(cases)
+    for question in first:
+        err.print(question, markup=False, soft_wrap=True)
     seen: list[Any] = []
     for case in cases:
         made = case.building() if isinstance(case.source, Generated) else None
@@ -102,7 +106,7 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
     )
     words = [counted(len(made), one, several) for made, one, several in counts if made]
     out.print(f"{path}: {', '.join(words)}.", soft_wrap=True)
-    for question in (*todo.index["questions"], *work_questions(cases)):
+    for question in (text for text in (*todo.index["questions"], *work_questions(cases)) if text not in first):
         err.print(question, markup=False, soft_wrap=True)
 
 

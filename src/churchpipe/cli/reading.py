@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from churchpipe.cli.app import err
 from churchpipe.errors import InputError, UsageError
 
 Units = Annotated[str | None, typer.Option(help="Read the drawing in this unit (m, mm, in ...), whatever it says.")]
@@ -93,6 +94,11 @@ def with_reading(command: Callable[..., None]) -> Callable[..., None]:
     @wraps(command)
     def run(**given: Any) -> None:
         reading = _reading(**{name: given.pop(name) for name in options})
+        if reading.bond is not None:
+            from churchpipe.config.laid_sizes import reading_questions
+
+            for question in reading_questions(reading):
+                err.print(question, markup=False, soft_wrap=True)
         command(**given, reading=reading)
 
     parameters = [one for one in own.parameters.values() if one.name != "reading"]

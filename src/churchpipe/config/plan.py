@@ -8,6 +8,7 @@ from typing import Any
 
 from churchpipe.config.carries import LOADS, TIES, plain
 from churchpipe.config.case import Case, Drawing
+from churchpipe.config.laid_sizes import laying_questions
 from churchpipe.config.plausible import questions
 from churchpipe.model import swept
 from churchpipe.model.loads import LoadCase, load_table
@@ -157,7 +158,7 @@ def plan(cases: Sequence[Case]) -> Plan:
         "published": [asdict(value) for value in cases[0].published],
         "project": asdict(cases[0].project),
         "materials": [asdict(material) for material in cases[0].materials],
-        "questions": questions(cases),
+        "questions": [*laying_questions(cases), *questions(cases)],
         "sample": asdict(cases[0].sample) if cases[0].sample else None,
     }
     return Plan(index, geometries, contacts, shells, analyses, movements, carried)

@@ -197,10 +197,11 @@ def _overhangs(panel: Panel, walls: Sequence[Panel], supports: Sequence[FloatArr
 
 def _stones(stones: Assemblage, place: dict[str, Place], unit: float) -> list[Stone]:
     out: list[Stone] = []
+    corners = np.diff(stones.face_ptr)
     for block in range(stones.count):
         first, last = stones.block_point_ptr[block : block + 2]
         faces = np.arange(*stones.block_face_ptr[block : block + 2])
-        sizes = np.diff(stones.face_ptr)[faces]
+        sizes = corners[faces]
         nodes = stones.face_nodes[ragged_indices(stones.face_ptr[faces], sizes)] - first
         rings = tuple(tuple(ring.tolist()) for ring in np.split(nodes, np.cumsum(sizes)[:-1]))
         name, panel = str(stones.block_id[block]), str(stones.panel[block])

@@ -29,6 +29,7 @@ from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material, UnitWeight
 from churchpipe.model.tie_bars import TieBar
+from churchpipe.recognition.laying import LaidBond
 from churchpipe.stones.ground import level_supports
 from churchpipe.wording import counted
 
@@ -73,6 +74,9 @@ def read_dxf(
     given = list(unit_weight.values()) if isinstance(unit_weight, Mapping) else unit_weight
     if given is not None:
         doubt_argument("read_dxf: unit_weight", given, UnitWeight, "unit_weight")
+    for size in ("course", "stone"):
+        if options.get(size) is not None:
+            doubt_argument(f"read_dxf: {size}", options[size], LaidBond, size)
     drawing = read_drawing(path, unit_weight=unit_weight, **options)
     return drawing.stones, drawing.findings
 

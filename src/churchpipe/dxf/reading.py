@@ -8,6 +8,7 @@ from churchpipe.dxf import schema
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, one_of, positive
 from churchpipe.model.quantities import Length, Ratio
+from churchpipe.model.sizes import LaidSize
 from churchpipe.recognition.laying import LaidBond, LaidPattern
 from churchpipe.stones.mortar import STRIP, WIDEST_MEAN
 
@@ -33,8 +34,8 @@ class Reading:
     up: Annotated[Up | None, "Axis of the file that points up; by default what its format says, else z."] = None
     scale: Annotated[Ratio, "Sizes in the building over sizes in the file, of models at scale."] = 1.0
     bond: Annotated[LaidPattern | None, "Bodies and outlines are whole walls and rings, and stones are laid in them."] = None
-    course: Annotated[Length | None, "Height of the courses of `bond`; width of the voussoirs of a ring."] = None
-    stone: Annotated[Length | None, "About the length of the stones of `bond`; each clear bay is divided evenly."] = None
+    course: Annotated[LaidSize | None, "Height of the courses of `bond`; width of the voussoirs of a ring."] = None
+    stone: Annotated[LaidSize | None, "About the length of the stones of `bond`; each clear bay is divided evenly."] = None
     lintel_bearing: Annotated[Length | None, "Bearing, on either side, of lintels that `bond` lays over flat heads."] = None
 
     def __post_init__(self) -> None:

@@ -3,9 +3,9 @@
 from typing import Any
 
 from churchpipe.errors import InputError
-from churchpipe.model.quantities import Length
+from churchpipe.model.sizes import LaidSize
 
-Brick = tuple[Length, Length, Length]
+Brick = tuple[LaidSize, LaidSize, LaidSize]
 
 
 def check_brick(where: str, brick: Brick) -> None:

@@ -8,10 +8,10 @@ from churchpipe.generators.arched import ArchedOpening, Given
 from churchpipe.generators.fields import as_dataclass
 from churchpipe.generators.wall_bonds import OwnWall, WallBond
 from churchpipe.model.building import Junction
-from churchpipe.model.quantities import Length
+from churchpipe.model.sizes import LaidSize
 
-Course = Annotated[Length, "Height of the courses."]
-StoneLength = Annotated[Length, "Length of the stones, about: each clear stretch of wall is divided evenly."]
+Course = Annotated[LaidSize, "Height of the courses."]
+StoneLength = Annotated[LaidSize, "Length of the stones, about: each clear stretch of wall is divided evenly."]
 Joints = Annotated[
     Literal["grid", "bay"], 'Head joints at multiples of the stone ("grid"), or each clear stretch divided evenly ("bay").'
 ]

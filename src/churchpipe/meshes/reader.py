@@ -44,6 +44,7 @@ from churchpipe.model.arguments import path_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.materials import UnitWeight
+from churchpipe.recognition.laying import LaidBond
 from churchpipe.wording import counted
 
 READERS: Final[dict[str, Callable[[Path], Source]]] = {
@@ -104,6 +105,9 @@ def read_stones(
     given = list(unit_weight.values()) if isinstance(unit_weight, Mapping) else unit_weight
     if given is not None:
         doubt_argument("read_stones: unit_weight", given, UnitWeight, "unit_weight")
+    for size in ("course", "stone"):
+        if options.get(size) is not None:
+            doubt_argument(f"read_stones: {size}", options[size], LaidBond, size)
     read = read_file(path, unit_weight=unit_weight, **options)
     return read.stones, read.findings
 

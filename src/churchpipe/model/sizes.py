@@ -1,11 +1,11 @@
 """What to ask about sizes that no masonry building has, such as millimetres taken for metres."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
 from churchpipe.model.doubts import question
-from churchpipe.model.quantities import UNITS, Usual
+from churchpipe.model.quantities import UNITS, Quantity, Usual
 
 if TYPE_CHECKING:
     from churchpipe.model.assemblage import Assemblage
@@ -15,6 +15,9 @@ _LENGTH = Usual(0.05, 500.0, "models of tilting tests to the longest churches")
 _STONE = Usual(0.005, 25.0, "bricks of models to the largest cut stones")
 _THIN = Usual(0.005, 10.0, "stones of models to the walls of keeps")
 _METRES = UNITS["_m"]
+# Height of courses and length of stones, m; their keys are in mm, and are asked about before any stone is laid.
+_LAID = Usual(5.0, 25e3, _STONE.reason)
+LaidSize = Annotated[float, Quantity("_mm", 0.0, above=True, usual=_LAID)]
 
 
 def size_questions(stones: "Assemblage") -> list[str]:

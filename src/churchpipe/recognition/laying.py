@@ -13,7 +13,9 @@ from churchpipe.model.arguments import check_kind, one_of, positive
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, Opening, Panel, UnitCell
+from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.materials import UnitWeight
+from churchpipe.model.sizes import LaidSize
 from churchpipe.recognition.insets import openings_of, outline_and_holes, with_insets
 from churchpipe.recognition.lintels import is_lintel, with_lintels
 from churchpipe.recognition.ring_outlines import ring_outlines
@@ -36,8 +38,8 @@ class LaidBond:
     """
 
     pattern: LaidPattern
-    course: float
-    stone: float | None = None
+    course: LaidSize
+    stone: LaidSize | None = None
     lintel_bearing: float | None = None
 
     def __post_init__(self) -> None:
@@ -100,6 +102,9 @@ def lay_stones(
         A body that is no wall, and where it is none; walls that cannot be laid.
     """
     check_kind("lay_stones: volumes", volumes, Assemblage)
+    doubt_argument("lay_stones: course", course, LaidBond, "course")
+    if stone is not None:
+        doubt_argument("lay_stones: stone", stone, LaidBond, "stone")
     laid = LaidBond(bond, course, stone, lintel_bearing)
     bodies: list[Volume] = []
     for block in np.flatnonzero(~volumes.fixed):

@@ -10,7 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.manifolds import manifold
 from churchpipe.geometry.planar import overlapping
 from churchpipe.model.arguments import check_kind
-from churchpipe.model.arrays import BoolArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOUCHING, Contacts, check_contacts_of
 from churchpipe.model.polyhedra import face_normals
@@ -179,12 +179,22 @@ def _boxes(stones: Assemblage) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _close_boxes(stones: Assemblage, shrink: float) -> IntArray:
-    """Return pairs i < j whose bounding boxes, each shrunk by `shrink` on all sides, overlap."""
+    """Return pairs i < j, sorted, whose bounding boxes, each shrunk by `shrink` on all sides, overlap."""
     low, high = _boxes(stones)
     # A thin stone shrunk to nothing keeps its centre.
-    i, j = overlapping(np.column_stack([low[:, :2] + shrink, high[:, :2] - shrink])).T
-    keep = (low[i, 2] + shrink < high[j, 2] - shrink) & (low[j, 2] + shrink < high[i, 2] - shrink)
-    return np.stack([i[keep], j[keep]], axis=1)
+    low, high = np.minimum(low + shrink, high - shrink), np.maximum(low + shrink, high - shrink)
+    # The tree of boxes has two dimensions: those in which the fewest overlap. In plan all stones of a wall lie on each other.
+    a, b, c = np.argsort([_overlaps(low[:, axis], high[:, axis]) for axis in range(3)], kind="stable")
+    i, j = overlapping(np.column_stack([low[:, a], low[:, b], high[:, a], high[:, b]])).T
+    keep = (low[i, c] <= high[j, c]) & (low[j, c] <= high[i, c])
+    pairs = np.stack([i[keep], j[keep]], axis=1)
+    return pairs[np.lexsort(pairs.T[::-1])]
+
+
+def _overlaps(low: FloatArray, high: FloatArray) -> int:
+    """Return how many pairs of intervals from low (n,) to high (n,) overlap, each pair twice and each interval with itself."""
+    after = np.searchsorted(np.sort(high), low, side="left")
+    return int((np.searchsorted(np.sort(low), high, side="right") - after).sum())
 
 
 def _separated(stones: Assemblage, pairs: IntArray, tolerance: float) -> BoolArray:

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from churchpipe.config.case import read_case, read_variants
+from churchpipe.config.laid_sizes import laying_questions
 from churchpipe.config.plausible import questions, unanswered, work_questions
 from churchpipe.errors import InputError
 from churchpipe.model.sizes import size_questions
@@ -392,7 +393,7 @@ def test_no_ready_case_is_questioned(name: str, tmp_path: Path) -> None:
     # Two directions are enough to compare the measures of this one.
     sides = [text for text in questions([case]) if name == "chapel_variants" and text.startswith("The check is made for +x, -y")]
     assert questions([case]) == sides
-    assert work_questions([case]) == []
+    assert [*work_questions([case]), *laying_questions([case])] == []
     assert size_questions(derive_blocks(case.building())) == []
 
 

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from churchpipe.errors import InputError
+from churchpipe.geometry import planar
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.stones import soundness
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.self_crossing import self_crossing_stones
 from churchpipe.stones.soundness import (
@@ -151,3 +153,22 @@ def test_a_stone_that_crosses_itself_is_named_with_its_place(fault: str) -> None
     assert place[2] == pytest.approx(0.0, abs=1e-9)
     with pytest.raises(InputError, match=r"1 whose surface crosses itself \(B1 at"):
         check_soundness(stones, find_contacts(stones))
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_stones_in_one_line_are_compared_with_their_neighbours_alone(axis: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In plan all stones of a pile lie on each other, which took minutes for tens of thousands."""
+    compared: list[int] = []
+
+    def overlapping(rectangles: np.ndarray) -> np.ndarray:
+        pairs = planar.overlapping(rectangles)
+        compared.append(len(pairs))
+        return pairs
+
+    monkeypatch.setattr(soundness, "overlapping", overlapping)
+    sides = np.tile([0.0, 1.0], (300, 3, 1))
+    sides[:, axis] += 0.9 * np.arange(300)[:, None]
+    stones = Assemblage.from_polyhedra([box(*map(tuple, side)) for side in sides.tolist()], 1.0, fixed=[0])
+    assert overlapping_stones(stones).tolist() == [[stone, stone + 1] for stone in range(299)]
+    assert not len(duplicate_stones(stones))
+    assert max(compared) < 600
