@@ -8,7 +8,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry import planar
-from churchpipe.geometry.charts import footprint
+from churchpipe.geometry.charts import footprint, lift
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Junction, Panel, PlaneChart
@@ -56,7 +56,9 @@ def with_buttresses(building: Building, buttresses: Iterable[Buttress]) -> Build
             found, expected = f"middles {nearest:.4g} m apart", f"at least {buttress.width:g} m, the width of each"
             raise InputError(f"{where}: along", "two in one place", found=found, expected=expected)
         for along, panel in zip(buttress.along, made, strict=True):
-            _check_corner(f"{where}: along", panel, along, [other for other in building.panels if other is not wall])
+            others = [other for other in building.panels if other is not wall]
+            _check_clear(f"{where}: along", wall, panel, along, others)
+            _check_corner(f"{where}: along", panel, along, others)
         loose = () if buttress.bonded else tuple(Junction((wall.name, name)) for name in names)
         building = replace(building, panels=(*building.panels, *made), junctions=(*building.junctions, *loose))
     return building
@@ -109,6 +111,25 @@ def _check_corner(where: str, buttress: Panel, along: float, others: Sequence[Pa
             expected = f"a place clear of that wall, {(other.thickness + buttress.thickness) / 2:g} m from its middle or more"
             expected += f"; or, over its middle, a buttress {other.thickness:g} m wide"
             raise InputError(where, f"stands partly in the wall {other.name}", found=f"{along:g} m", expected=expected)
+
+
+def _check_clear(where: str, wall: Panel, buttress: Panel, along: float, others: Sequence[Panel]) -> None:
+    """Refuse a buttress that stands in another one, or in another wall, beside the wall that it is of."""
+    beside = planar.less(_plan(buttress), [_plan(wall)])
+    low, high = _levels(buttress)
+    for other in others:
+        bottom, top = _levels(other)
+        if not isinstance(other.chart, PlaneChart) or min(top, high) - max(bottom, low) < _WHOLE:
+            continue
+        if planar.area(planar.common(beside, _plan(other))) > _WHOLE:
+            expected = f"a place clear of it, {(other.thickness + buttress.thickness) / 2:g} m from its middle or more"
+            raise InputError(where, f"stands where {other.name} stands", found=f"{along:g} m", expected=expected)
+
+
+def _levels(panel: Panel) -> tuple[float, float]:
+    """Return the heights of the foot and the top of a panel, m."""
+    height = lift(panel.chart, panel.outline)[:, 2]
+    return float(height.min()), float(height.max())
 
 
 def _plan(panel: Panel) -> planar.Region:

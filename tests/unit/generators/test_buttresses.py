@@ -162,3 +162,22 @@ def test_a_buttress_that_stands_partly_in_a_crossing_wall_is_refused() -> None:
         ).count
         > 1
     )
+
+
+@pytest.mark.parametrize(("along", "width"), [(3.0, W), (3.4, W), (2.6, 0.4)])
+def test_two_tables_of_buttresses_in_one_place_are_named_by_the_second(along: float, width: float, tmp_path: Path) -> None:
+    table = (
+        CASE.partition("[[buttresses]]")[2]
+        .replace("[1.0, 3.0]", f"[2.0, {along}]")
+        .replace("width_m = 0.5", f"width_m = {width}")
+    )
+    path = tmp_path / "propped.toml"
+    path.write_text(f'{CASE}\n[[buttresses]]{table}name = "second"\n')
+    said = (
+        r"line 21, buttresses\.1: buttress of wall: along: stands where wall buttress 2 stands; "
+        rf"found {along:g} m; expected a place clear of it, {(width + W) / 2:g} m from its middle or more"
+    )
+    with pytest.raises(InputError, match=said):
+        cp.read_case(path).building()
+    path.write_text(path.read_text().replace(f"[2.0, {along}]", "[2.0]"))
+    assert "second buttress 1" in cp.read_case(path).building().macro_elements
