@@ -15,7 +15,7 @@ from churchpipe.config.case import Case
 from churchpipe.config.case import Drawing as DrawingSource
 from churchpipe.config.imported import MANY_STONES, imported_case, material_names
 from churchpipe.config.json_schema import write_case
-from churchpipe.config.picked import check_picked, picks
+from churchpipe.config.picked import check_picked, ground_questions, picks
 from churchpipe.config.shell_table import ShellTable, shell_table
 from churchpipe.dxf.annotated import write_findings
 from churchpipe.dxf.reader import Drawing
@@ -98,10 +98,11 @@ def check_drawing(
     return drawing, contacts
 
 
-def check_carried(case: Case, stones: Assemblage, contacts: Contacts | None = None) -> None:
+def check_carried(case: Case, stones: Assemblage, contacts: Contacts | None = None) -> list[str]:
     """Look for the walls of a drawing that a case names: those pushed alone, and those that bear loads, ties and beams.
 
-    contacts: of the stones, where they are known, to look for the joints, the ground and the point that the case names.
+    contacts: of the stones, where they are known, to look for the joints, the ground and the point that the case names. Returns
+    what there is to ask about that ground.
 
     Raises
     ------
@@ -112,12 +113,13 @@ def check_carried(case: Case, stones: Assemblage, contacts: Contacts | None = No
     case.check_named(sorted({*named.panel[~named.fixed].tolist()} - {""}))
     case.check_applied(named)
     if contacts is None or not picks(case):
-        return
+        return []
     if case.ring_beams:
         weights = {material.name: material.unit_weight for material in case.materials}
         named = add_beams(named, case.ring_beams, weights)
         contacts = find_contacts(named, **case.tolerances)
     check_picked(case, named, contacts)
+    return ground_questions(case, named, contacts)
 
 
 def import_drawing(

@@ -25,6 +25,7 @@ from churchpipe.model.placed_loads import Applied
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.model.shell import ShellModel
+from churchpipe.stones.footing import whole_ground_question
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +141,16 @@ class RunFolder:
         folder = self.path / "movement" / name
         stones = read_npz(folder / "assemblage.npz", Assemblage)
         return stones, read_npz(folder / "contacts.npz", Contacts), read_npz(folder / "movement.npz", SettlementPath)
+
+    def ground_questions(self) -> list[str]:
+        """Return what to ask about movements of all the ground that a building stands on."""
+        asked: list[str] = []
+        for entry in self.index["movements"]:
+            table = read_json(self.path / "movement" / entry["name"] / "settings.json")
+            if table["about"] is None:
+                place = table["support"] or table["within"]
+                asked.append(whole_ground_question(*self.stones(entry["geometry"]), table["name"], place))
+        return [text for text in asked if text]
 
     def samples(self) -> dict[str, Sample]:
         """Return what the samples of a case have left, by name."""

@@ -303,7 +303,7 @@ def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None)
     compared = [replace(pair, overlap=run.overlap(pair.blocks, pair.shell)) for pair in results.pairs(found)]
     write_table(table, analyses)
     sizes_asked = (text for name in run.index["geometries"] for text in size_questions(run.stones(name)[0]))
-    asked = list(dict.fromkeys([*unanswered(run.index["questions"]), *sizes_asked]))
+    asked = list(dict.fromkeys([*unanswered(run.index["questions"]), *sizes_asked, *run.ground_questions()]))
     study = None
     if samples:
         study = sample_study(run.index["sample"], run.samples(), analyses)

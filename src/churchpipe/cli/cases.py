@@ -2,7 +2,7 @@
 
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -83,8 +83,7 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
 
     cases = read_variants(path, changes)
     first = laying_questions(cases)
-    for question in first:
-        err.print(question, markup=False, soft_wrap=True)
+    _ask(first)
     seen: list[Any] = []
     for case in cases:
         made = case.building() if isinstance(case.source, Generated) else None
@@ -106,8 +105,7 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
     )
     words = [counted(len(made), one, several) for made, one, several in counts if made]
     out.print(f"{path}: {', '.join(words)}.", soft_wrap=True)
-    for question in (text for text in (*todo.index["questions"], *work_questions(cases)) if text not in first):
-        err.print(question, markup=False, soft_wrap=True)
+    _ask(text for text in (*todo.index["questions"], *work_questions(cases)) if text not in first)
 
 
 def _check_there(path: Path, case: Any) -> None:
@@ -120,7 +118,8 @@ def _check_there(path: Path, case: Any) -> None:
 
 
 def _check_laid(path: Path, case: Any, building: Any) -> None:
-    from churchpipe.config.picked import check_picked
+    from churchpipe.config.picked import check_picked, ground_questions
+    from churchpipe.model.sizes import size_questions
     from churchpipe.stones.blocks import derive_blocks
     from churchpipe.stones.contacts import find_contacts
     from churchpipe.stones.soundness import check_soundness
@@ -135,27 +134,26 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
     name = f"{path}, {case.variant.name}" if case.variant else str(path)
     free = counted(int((~stones.fixed).sum()), "stone")
     out.print(f"{name}: {free}, {counted(len(contacts.area), 'joint')}.", markup=False, soft_wrap=True)
-    _ask_sizes(stones)
+    _ask([*size_questions(stones), *ground_questions(case, stones, contacts)])
 
 
 def _check_drawn(path: Path, case: Any) -> None:
     from churchpipe.importing import check_carried, check_drawing, joint_words
+    from churchpipe.model.sizes import size_questions
 
     _check_there(path, case)
     weights = {material.name: material.unit_weight for material in case.materials}
     read, contacts = check_drawing(case.source.path, case.source.reading, weights, case.tolerances)
     if len(read.findings):
         err.print(str(read.findings), soft_wrap=True)
-    check_carried(case, read.stones, contacts)
+    asked = check_carried(case, read.stones, contacts)
     free = int((~read.stones.fixed).sum())
     out.print(f"{case.source.path}: {counted(free, 'stone')}.", soft_wrap=True)
     for line in joint_words(read.stones, contacts):
         out.print(line, soft_wrap=True)
-    _ask_sizes(read.stones)
+    _ask([*size_questions(read.stones), *asked])
 
 
-def _ask_sizes(stones: Any) -> None:
-    from churchpipe.model.sizes import size_questions
-
-    for question in size_questions(stones):
+def _ask(asked: Iterable[str]) -> None:
+    for question in asked:
         err.print(question, markup=False, soft_wrap=True)

@@ -11,7 +11,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.quantities import Place
-from churchpipe.stones.footing import footing
+from churchpipe.stones.footing import footing, whole_ground_question
 from churchpipe.stones.joints import joints_of
 
 
@@ -49,6 +49,13 @@ def check_picked(case: Case, stones: Assemblage, contacts: Contacts) -> None:
             _check_control(stones, load, followed, "shell.control_point")
     except InputError as error:
         raise case.located(error.at(f"{case.path}: {error.where}")) from error
+
+
+def ground_questions(case: Case, stones: Assemblage, contacts: Contacts) -> list[str]:
+    """Return what to ask about movements of all the ground that a whole building stands on; after `check_picked`."""
+    places = [(one.name, one.support or one.within) for one in case.movements if one.about is None]
+    asked = [whole_ground_question(stones, contacts, name, place) for name, place in places if place]
+    return [text for text in asked if text]
 
 
 def _check_control(stones: Assemblage, load: LoadCase, control: Place | None, where: str) -> None:

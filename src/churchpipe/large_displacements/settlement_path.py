@@ -25,12 +25,13 @@ from churchpipe.model.arrays import BoolArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.digests import digests
-from churchpipe.model.doubts import doubt_argument
+from churchpipe.model.doubts import doubt, doubt_argument
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import ContactModel
 from churchpipe.model.settlement import SettlementEnding, SettlementPath, SettlementState
 from churchpipe.model.stone_path import HALO, no_step
+from churchpipe.stones.footing import WHOLE_GROUND, stands_on
 
 
 def settlement_path(
@@ -114,6 +115,9 @@ def settlement_path(
     model, *_ = settlement_model(
         stones, contacts, (support, direction, about), friction, dead, step, solver, contact_model, compressive_strength
     )
+    if about is None:
+        chosen = np.atleast_1d(np.asarray(support, dtype=np.int64))
+        doubt([WHOLE_GROUND.format("The support")] if stands_on(stones, contacts, chosen) else ())
     if halo:
         speed = stone_speed(stones, least.velocities)
         moving = (speed > PATH.still * reference_speed(speed)) | _upon(contacts, np.asarray(support), stones.count)

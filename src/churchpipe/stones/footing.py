@@ -14,6 +14,10 @@ from churchpipe.model.contacts import Contacts
 Rectangle = tuple[tuple[float, float], tuple[float, float]]
 # Ground is an upright prism, and a strip of it no piece, within this length, m.
 _EXACT = 1e-6
+WHOLE_GROUND = (
+    "{} takes along all ground that the building stands on: it moves as a whole, and nothing cracks. Is it meant? A support that "
+    "settles is a part of the ground, such as the foot of one wall of several."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +68,31 @@ def footing(stones: Assemblage, contacts: Contacts, place: str | Rectangle) -> F
     frame = _axes(_plan(_corners(stones, int(support[0]))))
     seen = points @ frame.T
     return _cut(stones, contacts, frame, np.array([seen.min(axis=0), seen.max(axis=0)]), f"below {place}")
+
+
+def whole_ground_question(stones: Assemblage, contacts: Contacts, movement: str, place: str | Rectangle) -> str:
+    """Return what to ask about a movement along a direction that takes all ground along, "" where it does not.
+
+    movement: its name. place: as in `footing`, where it is found. stones, contacts: before any ground is cut.
+    """
+    return WHOLE_GROUND.format(f'The movement "{movement}"') if _bears_all(stones, contacts, place) else ""
+
+
+def _bears_all(stones: Assemblage, contacts: Contacts, place: str | Rectangle) -> bool:
+    fixed = stones.fixed[contacts.blocks]
+    bearing = np.flatnonzero(fixed[:, 0] != fixed[:, 1])
+    if isinstance(place, str):
+        found = footing(stones, contacts, place)
+        return not found.cut and stands_on(stones, contacts, found.support)
+    low, high = np.sort(floats("footing: place", place, (2, 2)), axis=0)
+    points = contacts.point[ragged_indices(contacts.point_ptr[bearing], contacts.points_per_interface[bearing]), :2]
+    return bool(((points >= low - _EXACT) & (points <= high + _EXACT)).all())
+
+
+def stands_on(stones: Assemblage, contacts: Contacts, support: IntArray) -> bool:
+    """Return whether the free stones bear on no fixed stones but these (k,)."""
+    fixed = stones.fixed[contacts.blocks]
+    return bool(np.isin(contacts.blocks[fixed & ~fixed[:, ::-1]], support).all())
 
 
 def _cut(stones: Assemblage, contacts: Contacts, frame: FloatArray, corners: FloatArray, words: str) -> Footing:

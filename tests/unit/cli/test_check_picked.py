@@ -76,3 +76,22 @@ def test_ground_below_a_drawing_with_a_ring_beam(
     ended, _, err = call(capsys, "check", path)
     assert ended == code
     assert ("movements.0: support: no wall or stone of this name on the ground; found nave" in err) == bool(code)
+
+
+@pytest.mark.parametrize(
+    ("movement", "asked"),
+    [
+        ('support = "wall"', True),
+        ("within_mm = [[-10000, -10000], [10000, 10000]]", True),
+        ("within_mm = [[0, -100], [800, 500]]", False),
+        # A table that is tilted tests a wall.
+        ('support = "wall"\ndirection = [1, 0, 0]\nabout_mm = [0, 0, 0]', False),
+    ],
+)
+def test_a_movement_of_the_whole_ground_is_questioned(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, movement: str, asked: bool
+) -> None:
+    code, _, err = call(capsys, "check", case_file(tmp_path, f'{CASE}[[movements]]\nname = "sinks"\n{movement}\n'))
+    assert code == 0
+    said = 'The movement "sinks" takes along all ground that the building stands on: it moves as a whole, and nothing cracks.'
+    assert (said in err) == asked

@@ -125,6 +125,18 @@ def test_the_stage_its_record_and_the_report(tmp_path: Path) -> None:
     assert read_summary(tmp_path / "summary.json").movements[0].reaction == pytest.approx(record.reaction)
 
 
+def test_a_movement_of_the_whole_ground_is_questioned_beside_the_results(tmp_path: Path) -> None:
+    lines = 'support = "wall"\nfurthest_mm = 2\n[[movements]]\nsupport = "wall"\nname = "tilt"\nabout_mm = [0, 0, 0]\n'
+    out = tmp_path / "run"
+    configure(case_file(tmp_path, f"{CASE}[[movements]]\n{lines}[[movements]]\n{CORNER}"), out)
+    geometry = out / "geometry" / "base"
+    stages.source(geometry / "settings.json", geometry / "building.json")
+    stages.blocks(geometry / "building.json", geometry / "assemblage.npz", geometry / "stones.dxf", geometry / "stones.vtu")
+    stages.contacts(geometry / "tolerances.json", geometry / "assemblage.npz", geometry / "contacts.npz")
+    [asked] = read_run(out / "plan.json").ground_questions()
+    assert asked.startswith('The movement "wall" takes along all ground that the building stands on: it moves as a whole')
+
+
 def test_a_support_that_turns(tmp_path: Path) -> None:
     lines = 'name = "tilt"\nsupport = "ground"\ndirection = [1, 0, 0]\nabout_mm = [0, 125, 0]\nfurthest_deg = 3\nstep_mm = 20\n'
     (record,) = read_run(staged(tmp_path, lines) / "plan.json").movements()

@@ -64,6 +64,7 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
     (lambda: cp.find_contacts(STONES, overlap=2.0), r"find_contacts: overlap is 2000 mm \(given as 2 in SI units\), usual are"),
     (lambda: cp.block_pushover(STONES, CONTACTS, PUSH, 6.0, steps=1), r"block_pushover: friction is 6, usual"),
     (lambda: cp.settlement_analysis(STONES, CONTACTS, [0], friction=[6.0]), r"settlement_analysis: friction is 6, usual"),
+    (lambda: cp.settlement_path(STONES, CONTACTS, [0], furthest=1e-3, steps=1), "The support takes along all ground that the"),
     (
         lambda: cp.Assemblage.from_polyhedra([box((0, 400), (0, 1), (0, 1))], unit_weight=18e3),
         r"the longest side of a stone is 400 m, usual are 0\.005 to 25 m",
