@@ -10,7 +10,7 @@ from churchpipe.config.tables import listed
 from churchpipe.errors import InputError
 from churchpipe.model.contacts import GAP, OVERLAP
 from churchpipe.model.names import CONTACT_MODEL, STRENGTH, ContactModel, Flow, Planes
-from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Whole
+from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Usual, Whole
 from churchpipe.model.stone_path import HALO
 from churchpipe.rigid_blocks.crushing import PARTS
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
@@ -21,6 +21,7 @@ _Corner = tuple[Coordinate, Coordinate]
 # How far a path goes: less than 1e-6 m or rad is lost to rounding, and refused in Python as well.
 _FURTHEST = Quantity("_deg", 6e-5, high=180, key="furthest_deg")
 _Way = Annotated[float, Quantity("_mm", 1e-3)]
+_Far = Annotated[float, Quantity("_mm", 1e-3, usual=Usual(1.0, 50e3, "what can be measured to walls that have fallen"))]
 _Part = Annotated[float, Quantity()]
 
 
@@ -50,7 +51,7 @@ class CurveSettings:
         _Way | None, "Largest displacement of a step; by default a tenth of the median thickness of the stones that move."
     ] = None
     steps: Annotated[Count, "Most steps."] = 400
-    furthest: Annotated[_Way | None, "Displacement of a stone at which the curve ends."] = None
+    furthest: Annotated[_Far | None, "Displacement of a stone at which the curve ends."] = None
     control: Annotated[Place | None, "Point that the curve follows; by default the mean of what is pushed."] = None
     halo: Annotated[Whole, "Contacts from a moving stone to those held still; 0 holds none."] = HALO
     half_steps: Annotated[
@@ -112,7 +113,7 @@ class MovementSettings:
     name: Annotated[str, "Of the movement, for tables and pictures; by default that of the support."] = ""
     direction: Annotated[tuple[_Part, _Part, _Part], "Of the movement, or of its axis, right-handed."] = (0.0, 0.0, -1.0)
     about: Annotated[Place | None, "A point of the axis about which the support turns; left out: it moves along."] = None
-    furthest: Annotated[_Way | None, "Movement at which to stop; left out: at collapse."] = None
+    furthest: Annotated[_Far | None, "Movement at which to stop; left out: at collapse."] = None
     furthest_angle: Annotated[float | None, _FURTHEST, "Where it turns, likewise."] = None
     step: Annotated[_Way | None, "Largest displacement of a step; by default a tenth of the median thickness of the stones."] = (
         None

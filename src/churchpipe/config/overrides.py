@@ -74,6 +74,17 @@ def set_key(table: Table, key: str, value: Any) -> None:
         place[last] = value
 
 
+def value_at(table: Table, key: str) -> Any:
+    """Return what stands at a dotted key; None where there is nothing."""
+    place: Any = table
+    for part in key.split("."):
+        if isinstance(place, list) and part.isdecimal() and int(part) < len(place):
+            place = place[int(part)]
+        else:
+            place = place.get(part) if isinstance(place, dict) else None
+    return place
+
+
 def apply_overrides(table: Table, overrides: Sequence[str]) -> Table:
     """Return the table with overrides set; a key that is set is not swept any more.
 

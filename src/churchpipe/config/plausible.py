@@ -1,5 +1,6 @@
 """Questions about values that no masonry building has. They refuse nothing: a slip of a unit is found, a study goes on."""
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import is_dataclass
@@ -9,6 +10,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from churchpipe.config.carries import KINDS, LOADS, plain
+from churchpipe.config.distributions import quantile
+from churchpipe.config.overrides import value_at
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
 from churchpipe.model.building import Panel
@@ -26,6 +29,8 @@ _ELEMENTS, _STEPS, _SAMPLES = 100_000, 5_000, 2_000
 
 # Tables of a case whose texts name the materials that something is made of.
 _MADE = ("source", "buttresses", "ring_beams", "variants")
+# What one sample in a thousand is below, or above, is hardly drawn.
+_HARDLY = np.array([1e-3, 1 - 1e-3])
 _RECTANGLE = Usual(50.0, 100e3, "a pier of a model to half a church")
 # Piers thinner than this many thicknesses of their groin vault are questioned.
 _PIER = 2.0
@@ -105,6 +110,9 @@ def _of_case(case: "Case") -> Iterator[str]:
     yield from _of_beams(case)
     yield from _of_joints(case)
     yield from _of_movements(case)
+    yield from _of_steps(case)
+    yield from _of_published(case)
+    yield from _of_sample(case)
     for name, settings in (("rigid", case.rigid), ("shell", case.shell), ("check", case.check)):
         if settings is not None:
             yield from _of_record(settings, f"{name}.")
@@ -220,6 +228,47 @@ def _of_movements(case: "Case") -> Iterator[str]:
         if movement.within is not None:
             side = 1e3 * float(np.ptp(movement.within, axis=0).min())
             yield question(f"the shorter side of movements.{number}.within_mm", side, _RECTANGLE, UNITS["_mm"])
+
+        yield from _of_record(movement, f"movements.{number}.")
+
+
+def _of_steps(case: "Case") -> Iterator[str]:
+    """Yield what to ask about paths that end within their first step, as in another unit."""
+    moved = [(f"movements.{number}", movement) for number, movement in enumerate(case.movements)]
+    for place, path in [("rigid.curve", case.rigid.curve), *moved]:
+        if path is not None and path.step is not None and path.furthest is not None and path.step > path.furthest:
+            yield (
+                f"{place}.step_mm is {1e3 * path.step:g}, and furthest_mm {1e3 * path.furthest:g}: the first step would go "
+                "further than that. Is it meant?"
+            )
+
+
+def _of_published(case: "Case") -> Iterator[str]:
+    """Yield what to ask about published values, in per cent, or of a model that the file does not ask for."""
+    left_out = "shell" in case.table or any(re.match(r"shell\s*=", change) for change in case.overrides)
+    for number, value in enumerate(case.published):
+        yield from _of_record(value, f"published.{number}.")
+        if value.model == "shell" and not left_out:
+            yield (
+                f"published.{number} is of a shell, and the case asks for none, so that nothing is set beside it: [shell] does. "
+                "Is it left out on purpose?"
+            )
+
+
+def _of_sample(case: "Case") -> Iterator[str]:
+    """Yield what to ask about samples that are never as the file says, or in one of a thousand."""
+    for number, parameter in enumerate(case.sample.parameters if case.sample else ()):
+        hardly = quantile(parameter, _HARDLY).tolist()
+        low, high = (
+            rare if given is None else given for rare, given in zip(hardly, (parameter.low, parameter.high), strict=True)
+        )
+        for key in parameter.key:
+            value = value_at(case.table, key)
+            if isinstance(value, int | float) and not low * (1 - 1e-9) <= value <= high * (1 + 1e-9):
+                yield (
+                    f"sample.parameters.{number} draws {key} from {low:.4g} to {high:.4g}, and the case has {value:g}: no sample "
+                    "is like it. Is it meant?"
+                )
 
 
 def _of_work(case: "Case") -> Iterator[str]:

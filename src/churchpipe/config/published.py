@@ -7,7 +7,9 @@ from typing import Annotated, Literal
 from churchpipe.config.section import nearest
 from churchpipe.errors import InputError
 from churchpipe.model.names import Flow
-from churchpipe.model.quantities import Quantity, Ratio
+from churchpipe.model.quantities import Quantity, Usual
+
+_FACTOR = Quantity("", 0.0, above=True, usual=Usual(1e-3, 10.0, "walls that hardly stand to arches in many times their weight"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +23,7 @@ class Published:
 
     load: Annotated[str, "Name of the load that it is for."]
     model: Annotated[Literal["rigid", "shell", "experiment"], "What gave it."]
-    load_factor: Annotated[Ratio, "The published value."]
+    load_factor: Annotated[float, _FACTOR, "The published value."]
     source: Annotated[str, "Where it stands."]
     flow: Annotated[Flow | None, "Flow rule, of rigid blocks."] = None
     friction: Annotated[float | None, Quantity(low=0.0), "Coefficient that it holds for; by default that of the case."] = None

@@ -71,6 +71,55 @@ def test_a_rectangle_of_ground_in_metres_is_questioned(tmp_path: Path) -> None:
     assert question.startswith("the shorter side of movements.0.within_mm is 0.25 mm, usual are 50 to 100000 mm")
 
 
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ('movements=[{support="wall", furthest_mm=0.05}]', ["movements.0.furthest_mm is 0.05 mm, usual are 1 to 50000 mm"]),
+        ("rigid.curve.furthest_mm=0.3", ["rigid.curve.furthest_mm is 0.3 mm, usual are 1 to 50000 mm"]),
+        ("rigid.curve={furthest_mm=30, step_mm=40}", ["rigid.curve.step_mm is 40, and furthest_mm 30: the first step would go"]),
+        (
+            'movements=[{support="wall", furthest_mm=30, step_mm=40}, {support="ground", furthest_mm=30, step_mm=30}]',
+            ["movements.0.step_mm is 40, and furthest_mm 30: the first step would go further than that."],
+        ),
+        (
+            'published=[{load="+y", model="experiment", load_factor=30, source="x"}]',
+            ["published.0.load_factor is 30, usual are 0.001 to 10: walls that hardly stand"],
+        ),
+        (
+            'published=[{load="+y", model="shell", load_factor=0.3, source="x"}]',
+            ["published.0 is of a shell, and the case asks for none, so that nothing is set beside it: [shell] does."],
+        ),
+    ],
+)
+def test_paths_and_published_values_that_are_a_slip_are_questioned(change: str, words: list[str], tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND))
+    asked = questions([read_case(path, [change])])
+    assert len(asked) == len(words)
+    assert all(text.startswith(said) for text, said in zip(asked, words, strict=True))
+    if "shell" in change:
+        assert questions([read_case(path, [change, "shell=false"])]) == []
+        assert questions([read_case(path, [change, "shell.element_size_mm=500"])]) == []
+
+
+@pytest.mark.parametrize(
+    ("distribution", "words"),
+    [
+        ('distribution="uniform", low=0.1, high=0.2', "from 0.1 to 0.2, and the case has 0.6: no sample is like it."),
+        ('distribution="uniform", low=0.6, high=0.8', ""),
+        ('distribution="normal", mean=0.4, standard_deviation=0.03, low=0.1', "from 0.1 to 0.4927, and the case has 0.6"),
+        ('distribution="lognormal", mean=0.5, standard_deviation=0.06', ""),
+    ],
+)
+def test_samples_unlike_the_case_are_questioned(distribution: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND))
+    sample = f'sample={{number=4, parameters=[{{key="material.default.friction", {distribution}}}]}}'
+    asked = questions([read_case(path, [sample])])
+    assert len(asked) == bool(words)
+    assert all(text.startswith(f"sample.parameters.0 draws material.default.friction {words}") for text in asked)
+
+
 @pytest.mark.parametrize(("top", "asked"), [(30.0, 1), (2.05, 1), (2.0, 0), (0.3, 0), (-1.0, 0)])
 def test_soil_above_its_wall_is_questioned(top: float, asked: int, tmp_path: Path) -> None:
     path = tmp_path / "w.toml"
