@@ -214,9 +214,11 @@ def test_cases_of_one_sample_are_run_in_folders_of_their_own(capsys: pytest.Capt
 def test_an_imported_case_is_exported_as_it_was_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     code, _, _ = call(capsys, "import", SAMPLES / "sound.dxf", "-o", tmp_path / "case")
     assert code == 0
-    code, out, _ = call(capsys, "export-dxf", tmp_path / "case" / "case.toml", "-o", tmp_path / "again.dxf")
+    # Folders are made, as those of a run and of an import.
+    drawing = tmp_path / "new" / "folder" / "again.dxf"
+    code, out, _ = call(capsys, "export-dxf", tmp_path / "case" / "case.toml", "-o", drawing)
     assert code == 0
-    first, again = (read_drawing(path).stones for path in (SAMPLES / "sound.dxf", tmp_path / "again.dxf"))
+    first, again = (read_drawing(path).stones for path in (SAMPLES / "sound.dxf", drawing))
     assert f"{int((~first.fixed).sum())} stones" in out
     assert sorted(again.block_id) == sorted(first.block_id)
     assert again.volume.sum() == pytest.approx(first.volume.sum(), rel=1e-12)
