@@ -10,6 +10,7 @@ import numpy as np
 from churchpipe import compare
 from churchpipe.code_check import Site
 from churchpipe.errors import Extra, InputError
+from churchpipe.io.atomic import named_by_caller
 from churchpipe.io.recording import record_of, shell_record_of
 from churchpipe.io.records import Analysis
 from churchpipe.loading.placing import place_loads
@@ -92,14 +93,15 @@ def write_report(
     ------
     InputError
         Arguments of the wrong kind, a result of other stones, loads or ties or of another mesh, loads that no load
-        case has, a curve without a load, a package of
+        case has, a curve without a load, a file that cannot be written, a package of
         `churchpipe[all]` that is missing.
     """
     check_kind("write_report: stones", stones, Assemblage)
     check_kind("write_report: contacts", contacts, Contacts)
     check_contacts_of(stones, contacts)
     html = path_of("write_report: path", path)
-    if html.is_dir():
+    # That of Path raises on a name that is too long.
+    if os.path.isdir(html):
         raise InputError("write_report: path", "a folder", found=html, expected="the file to write, such as report.html")
     materials = listed("write_report: materials", materials, JointStrength)
     groups = listed("write_report: joints", joints, JointGroup)
@@ -156,22 +158,25 @@ def write_report(
     moved = [] if settlement is None else movements_given(settlement, stones, contacts, materials, groups, applied)
     analyses = [record for record, *_ in (*of_blocks, *of_shell, *followed)]
     sizes, ways = {"base": compare.size(stones, contacts)}, [record for record, *_ in moved]
-    write_html(
-        html,
-        summary=compare.summary(name, sizes, meshes, analyses, movements=ways),
-        stones=stones,
-        contacts=contacts,
-        results=of_blocks,
-        shells={} if shell is None else {_MESH: shell},
-        shell_results=of_shell,
-        project={"title": name},
-        materials=[asdict(material) for material in materials],
-        moved=moved,
-        followed=followed,
-        applied={record.name: applied for record, _ in (*of_blocks, *followed)},
-        case_text="",
-        versions=versions(),
-    )
+    with named_by_caller("write_report: path", html):
+        # Drawings take long: first of all whether the file may stand there.
+        html.parent.mkdir(parents=True, exist_ok=True)
+        write_html(
+            html,
+            summary=compare.summary(name, sizes, meshes, analyses, movements=ways),
+            stones=stones,
+            contacts=contacts,
+            results=of_blocks,
+            shells={} if shell is None else {_MESH: shell},
+            shell_results=of_shell,
+            project={"title": name},
+            materials=[asdict(material) for material in materials],
+            moved=moved,
+            followed=followed,
+            applied={record.name: applied for record, _ in (*of_blocks, *followed)},
+            case_text="",
+            versions=versions(),
+        )
 
 
 def _check(

@@ -3,6 +3,7 @@
 import re
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -235,3 +236,31 @@ def test_a_report_is_not_written_to_a_folder(folder: str, tmp_path: Path, monkey
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match="write_report: path: a folder; found '?" + re.escape(folder)):
         cp.write_report(folder, STONES, CONTACTS, [], materials=MASONRY)
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("a.npz/x", "a file where a folder would be, a.npz/x"),
+        ("a.npz/b/x", "a file where a folder would be, a.npz/b/x"),
+        ("/proc/x", "No such file or directory, /proc/x"),
+        ("x" * 300, f"File name too long, {'x' * 200} ..."),
+    ],
+)
+def test_a_file_that_cannot_stand_there_is_refused(path: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.npz").write_text("mine")
+    state = cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6)
+
+    def report(file: str) -> None:
+        cp.write_report(file, STONES, CONTACTS, [(PUSH, state)], materials=MASONRY)
+
+    for write, name, ending in ((partial(cp.save, STONES), "save", "npz"), (report, "write_report", "html")):
+        with pytest.raises(InputError) as error:
+            write(f"{path}.{ending}")
+        message = said if said.endswith("...") else f"{said}.{ending}"
+        assert f"{name}: path: the file cannot be written; found {message}" in str(error.value)
+    assert (tmp_path / "a.npz").read_text() == "mine"
+    (tmp_path / "b.npz").mkdir()
+    with pytest.raises(InputError, match=r"save: path: the file cannot be written; found a folder of this name, b\.npz"):
+        cp.save(STONES, "b.npz")

@@ -1,5 +1,6 @@
 """Write whole files or none; read JSON."""
 
+import errno
 import json
 import math
 import os
@@ -12,6 +13,8 @@ from churchpipe.errors import InputError
 
 # How temporary names begin: what a killed run left behind is known by it.
 PART = ".part-"
+# What is told of a path, in letters.
+_LONGEST = 200
 
 
 @contextmanager
@@ -32,6 +35,26 @@ def replacing(path: str | Path) -> Iterator[Path]:
         raise
     finally:
         part.unlink(missing_ok=True)
+
+
+@contextmanager
+def named_by_caller(where: str, path: str | Path) -> Iterator[None]:
+    """Write a file that a caller of this package named: where and the path stand in the error if the system refuses it.
+
+    Raises
+    ------
+    InputError: a folder in its place, a file where one of its folders would be, a disk that is full and the like.
+    """
+    try:
+        if Path(path).is_dir():
+            raise IsADirectoryError(errno.EISDIR, "a folder of this name")
+        yield
+    except OSError as error:
+        taken = isinstance(error, FileExistsError | NotADirectoryError)
+        found = "a file where a folder would be" if taken else error.strerror or str(error)
+        name = str(path) if len(str(path)) <= _LONGEST else f"{str(path)[:_LONGEST]} ..."
+        problem, remedy = "the file cannot be written", "Choose another place to write to."
+        raise InputError(where, problem, found=f"{found}, {name}", remedy=remedy) from error
 
 
 def write_text(path: str | Path, text: str) -> None:

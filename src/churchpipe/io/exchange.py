@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.errors import Extra, InputError
+from churchpipe.io.atomic import named_by_caller
 from churchpipe.io.npz import SCHEMAS, Absent, read_any, write_npz
 from churchpipe.io.shell_vtu import shell_mesh
 from churchpipe.io.vtu import stones_mesh
@@ -31,14 +32,15 @@ def save(value: Any, path: str | Path) -> None:
     Raises
     ------
     InputError
-        Something else, or another ending.
+        Something else, another ending, a file that cannot be written.
     """
     if type(value) not in SCHEMAS or isinstance(value, Absent):
         expected = ", ".join(sorted(kind.__name__ for kind in SCHEMAS if kind is not Absent))
         raise InputError("save: value", "not a model or a result", found=type(value).__name__, expected=expected)
     if path_of("save: path", path).suffix != ".npz":
         raise InputError(f"save: {path}", "another ending", expected="a name that ends in .npz")
-    write_npz(path, value)
+    with named_by_caller("save: path", path):
+        write_npz(path, value)
 
 
 def load(path: str | Path) -> Any:
