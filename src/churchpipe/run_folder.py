@@ -48,6 +48,10 @@ class RunFolder:
         """Return a mesh, or why there is none."""
         return read_if_made(self._mesh(name), ShellModel)
 
+    def has_shell(self, name: str) -> bool:
+        """Return whether a mesh, or why there is none, has been written."""
+        return self._mesh(name).exists()
+
     def _mesh(self, name: str) -> Path:
         return self.path / "shell" / name / "shell.npz"
 

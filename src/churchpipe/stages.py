@@ -217,6 +217,9 @@ def _analyse_shell(
         mesh, materials = shell_joint_groups(mesh, materials, words["joints"])
         found = work(mesh, shell_loaded(load, mesh, stones, applied.loads), materials, applied.ties)
     except InputError as error:
+        if error.where == "control_point":
+            # Of all that is given, the mesh alone tells whether it has such a node.
+            raise error.at("shell.control_point") from error
         write_npz(state, Absent(str(error)))
         write_record(record, shell_record_of(str(error), load, used, **words))
         return

@@ -15,9 +15,12 @@ import pytest
 import pyvista
 
 from churchpipe import stages
+from churchpipe.cli.runs import check_nodes
 from churchpipe.compare import bad_news
+from churchpipe.config.case import read_case
 from churchpipe.configuring import configure
 from churchpipe.dxf.writer import write_dxf
+from churchpipe.errors import InputError
 from churchpipe.generators import box, wall
 from churchpipe.io.atomic import read_json
 from churchpipe.io.npz import Absent, read_if_made, read_npz, write_npz
@@ -409,3 +412,14 @@ def test_the_check_and_the_macro_elements_are_in_the_summary_and_the_report(tmp_
     text = page(path)
     assert "What moves" in text
     assert "a_g,SLV" in text
+
+
+def test_a_node_that_the_mesh_has_not_is_told_as_what_is_wrong_with_the_case(tmp_path: Path) -> None:
+    path = tmp_path / "slab.toml"
+    path.write_text(CASE.replace('"limit"', '"pushover"') + "control_point = 100000\n")
+    with pytest.raises(InputError, match=r"^shell\.control_point: no such node; found 100000; expected 0 to \d+\.$"):
+        make(path)
+    said = r"slab\.toml: line 17, shell\.control_point: no such node; found 100000; expected 0 to \d+\. .* control_point_mm gives"
+    with pytest.raises(InputError, match=said):
+        check_nodes(tmp_path / "run", [read_case(path)])
+    check_nodes(tmp_path / "run", [read_case(path, ["shell.control_point=2"])])

@@ -116,6 +116,7 @@ def _run(
         code = engine.run(ready, folder, jobs, display.show, prepare, until)
     if display.errors:
         _check_walls(chosen)
+        check_nodes(folder, chosen)
         # The jobs of several analyses meet the same fault.
         for text in dict.fromkeys(display.errors):
             err.print(text, style="red", soft_wrap=True)
@@ -156,6 +157,22 @@ def _check_walls(cases: Iterable[Any]) -> None:
         if picks(case):
             stones = derive_blocks(building)
             check_picked(case, stones, find_contacts(stones, **case.tolerances))
+
+
+def check_nodes(folder: Path, cases: Iterable[Any]) -> None:
+    """Look in the meshes of a run for the node that a capacity curve follows: the stage that missed it knows no line."""
+    from churchpipe.io.npz import Absent
+    from churchpipe.run_folder import read_run
+
+    run = read_run(folder / "plan.json")
+    meshes = [run.shell(entry["name"]) for entry in run.index["shells"] if run.has_shell(entry["name"])]
+    counts = [len(mesh.points) for mesh in meshes if not isinstance(mesh, Absent)]
+    for case in cases:
+        node = case.shell.control_point if case.shell else None
+        if node is not None and counts and node >= min(counts):
+            where, expected = f"{case.path}: shell.control_point", f"0 to {min(counts) - 1}"
+            remedy = "The nodes are numbered by the mesh: control_point_mm gives a place, whose nearest node is followed."
+            raise case.located(InputError(where, "no such node", found=node, expected=expected, remedy=remedy))
 
 
 def _folder_of(case: Path, name: str, out_dir: Path | None) -> Path:
