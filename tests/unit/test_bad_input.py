@@ -10,6 +10,7 @@ import pytest
 
 from case_texts import WALL
 from churchpipe import cli, engine
+from churchpipe.cli.runs import folder_of
 from churchpipe.config.asrun import claim, other_case
 from churchpipe.config.case import Drawing, read_case, read_variants
 from churchpipe.config.laid_sizes import laying_questions
@@ -329,6 +330,20 @@ def test_a_name_that_is_too_long(command: tuple[str, ...], capsys: pytest.Captur
     code, _, err = call(capsys, *arguments, "--out", tmp_path / f"{'x' * 300}.dxf")
     assert code in (cli.USAGE, cli.FINDINGS)
     assert "File name too long" in err
+
+
+def test_a_run_among_other_files_is_told(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    case = written(tmp_path, ARCH)
+    for folder in (tmp_path, tmp_path / "new"):
+        assert folder_of(case, "arch", folder) == folder
+    err = capsys.readouterr().err
+    assert err.startswith(f"The folder {tmp_path} holds other files, such as case.toml. Those of the run, report.html, code,")
+    assert f"are written among them: --out {tmp_path / 'run'} keeps them apart." in err
+    assert err.count("holds other files") == 1
+    # A run that is there is taken up again.
+    claim(tmp_path, case)
+    assert folder_of(case, "arch", tmp_path) == tmp_path
+    assert capsys.readouterr().err == ""
 
 
 def test_two_cases_of_one_name_do_not_share_a_folder(

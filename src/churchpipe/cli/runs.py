@@ -1,6 +1,7 @@
 """Commands of runs: run, show, report."""
 
 import os
+import shlex
 from collections.abc import Iterable, Sequence
 from contextlib import nullcontext
 from pathlib import Path
@@ -99,7 +100,7 @@ def _run(
     until = only if only != known[-1] else ""
     for question in work_questions(chosen):
         err.print(question, markup=False, soft_wrap=True)
-    folder = _folder_of(case, cases[0].name, out_dir)
+    folder = folder_of(case, cases[0].name, out_dir)
 
     def prepare(place: Path = folder) -> None:
         configure(case, place, changes, selection)
@@ -175,13 +176,23 @@ def check_nodes(folder: Path, cases: Iterable[Any]) -> None:
             raise case.located(InputError(where, "no such node", found=node, expected=expected, remedy=remedy))
 
 
-def _folder_of(case: Path, name: str, out_dir: Path | None) -> Path:
+def folder_of(case: Path, name: str, out_dir: Path | None) -> Path:
     """Return the folder of the run of a case, if it is free for it. name: of the case."""
-    from churchpipe.config.asrun import other_case
+    from churchpipe.config.asrun import ORIGIN, other_case
 
     folder = out_dir or Path("runs") / name
     if folder.exists() and not folder.is_dir():
         raise UsageError(str(folder), "a file, where the folder of the run would be", remedy="Choose another folder with --out.")
+    theirs = [file.name for file in folder.iterdir() if not file.name.startswith(".")] if folder.is_dir() else []
+    if theirs and not {ORIGIN, "plan.json"} & {*theirs}:
+        own = folder / "run"
+        one = case.name if case.name in theirs else min(theirs)
+        err.print(
+            f"The folder {folder} holds other files, such as {one}. Those of the run, report.html, code, geometry, log and so "
+            f"on, are written among them: --out {shlex.quote(str(own))} keeps them apart.",
+            markup=False,
+            soft_wrap=True,
+        )
     if other := other_case(folder, case):
         if out_dir is None:
             remedy = "Give one of them another name, or a folder of its own with --out."
