@@ -248,6 +248,7 @@ TWICE = [STONE, cp.Material("default", 18e3, 0.1)]
 OTHERS: list[tuple[Callable[[], Any], str]] = [
     (lambda: cp.Material("m", 18e3, 1e-300), r"material m: friction: out of range; found 1e-300; expected 0, or 1e-06 to 1000"),
     (lambda: cp.Material("m", 1e24, 0.6), r"material m: unit_weight: out of range"),
+    (lambda: cp.read_stones("a.obj", scale=nan), r"scale: out of range; found nan; expected a finite number > 0\."),
     (lambda: cp.Material("m", 10**400, 0.6), r"material m: unit_weight: out of range; .* expected a finite number"),
     (lambda: cp.Elastic(*ELASTIC[:4], True), r"elastic.joint_thickness: not a number; found True"),
     (lambda: cp.Elastic(*ELASTIC[:4], 1e-300), r"elastic.joint_thickness: out of range"),

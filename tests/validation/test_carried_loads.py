@@ -251,7 +251,10 @@ BAD: list[tuple[Callable[[], Carried], str | None]] = [
     (lambda: cp.LineLoad("wall", dead=1.0, eccentricity=0.1), "an eccentricity without a direction"),
     (lambda: cp.LineLoad("wall", thrust=1.0, toward="+x"), None),
     (lambda: cp.LineLoad("wall", dead=1.0, eccentricity=0.1, toward="+x"), "toward: it runs along the wall wall"),
-    (lambda: cp.LineLoad("wall", dead=1.0, eccentricity=0.3, toward="+y"), "eccentricity: beside the wall wall; found 0.3"),
+    (
+        lambda: cp.LineLoad("wall", dead=1.0, eccentricity=0.3, toward="+y"),
+        "eccentricity: beside the wall wall; found 0.3 m; expected at most half its thickness",
+    ),
     (lambda: cp.LineLoad("wall", dead=1.0, end=4.5), "beyond the wall wall; found from 0 m to 4.5 m"),
     (lambda: cp.LineLoad("wall", dead=1.0, begin=2.0, end=1.0), "no length"),
     (lambda: cp.LineLoad("wall", dead=1.0, height=3.2), "no stone under it"),

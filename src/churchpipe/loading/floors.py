@@ -51,7 +51,9 @@ def floor_lines(load: AreaLoad, walls: Sequence[WallLine]) -> list[FloorLine]:
     for wall in walls:
         if load.bearing > wall.thickness / 2 + CLOSE:
             expected = f"at most half its thickness, {wall.thickness / 2:.6g} m"
-            raise InputError(f"{load.called}: bearing", f"beside the wall {wall.name}", found=load.bearing, expected=expected)
+            raise InputError(
+                f"{load.called}: bearing", f"beside the wall {wall.name}", found=f"{load.bearing:g} m", expected=expected
+            )
     first = walls[0].axis
     along = [wall for wall in walls if abs(_cross(wall.axis, first)) < _PARALLEL]
     across = [wall for wall in walls if abs(float(wall.axis @ first)) < _PARALLEL]

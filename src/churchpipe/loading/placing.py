@@ -224,5 +224,5 @@ def _check_within(where: str, wall: WallLine, begin: float, end: float) -> None:
 def _aside(where: str, wall: WallLine, eccentricity: float, toward: FloatArray | None) -> float:
     if abs(eccentricity) > wall.thickness / 2 + CLOSE:
         expected = f"at most half its thickness, {wall.thickness / 2:.6g} m"
-        raise InputError(f"{where}: eccentricity", f"beside the wall {wall.name}", found=eccentricity, expected=expected)
+        raise InputError(f"{where}: eccentricity", f"beside the wall {wall.name}", found=f"{eccentricity:g} m", expected=expected)
     return eccentricity * wall.side(where, toward) if eccentricity and toward is not None else 0.0

@@ -50,8 +50,8 @@ def _no_list(where: str, value: object, *kinds: type) -> InputError:
     return InputError(where, "wrong kind", found=describe(value), expected=expected)
 
 
-def finite(where: str, value: object) -> float:
-    """Return a value that is one finite number.
+def finite(where: str, value: object, expected: str = "a finite number") -> float:
+    """Return a value that is one finite number; expected: what else it is to be, for messages.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def finite(where: str, value: object) -> float:
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise InputError(where, "out of range", found=describe(value), expected="a finite number")
+        raise InputError(where, "out of range", found=describe(value), expected=expected)
     return number
 
 
@@ -110,9 +110,10 @@ def one_of(where: str, value: object, *choices: str) -> None:
 
 def positive(where: str, value: object, *, allow_zero: bool = False) -> None:
     """Raise InputError unless the value is a finite number > 0 (or >= 0), and not so small that rounding loses it."""
-    number = finite(where, value)
+    expected = f"a finite number {'>=' if allow_zero else '>'} 0"
+    number = finite(where, value, expected)
     if number < 0 or (number == 0 and not allow_zero):
-        raise InputError(where, "out of range", found=value, expected=f"a finite number {'>=' if allow_zero else '>'} 0")
+        raise InputError(where, "out of range", found=value, expected=expected)
     if 0 < number < _LEAST:
         raise InputError(where, "lost to rounding", found=value, expected=f">= {_LEAST:g}")
 
