@@ -12,6 +12,7 @@ from churchpipe.dxf.reading import Up
 from churchpipe.dxf.schema import LARGEST_COORDINATE
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding, Place
+from churchpipe.geometry.degenerate import degenerate
 from churchpipe.geometry.dissolve import dissolve
 from churchpipe.geometry.manifolds import manifold, polyhedron
 from churchpipe.geometry.mending import REPAIRS, SPLIT, WELDED, Mended, flat, mend
@@ -55,11 +56,13 @@ class Parted:
 def parted(source: Source) -> list[Parted]:
     """Return the bodies of a file with their parts; what cannot be read joins the findings of the source."""
     out: list[Parted] = []
-    unused = 0
-    for body in source.bodies:
-        if flaw := _insane(body.points, body.faces):
-            source.findings.append(body.place.finding("E10", f"the body cannot be read: {flaw}", expected=CLOSED))
+    unused, without_area = 0, 0
+    for given in source.bodies:
+        if flaw := _insane(given.points, given.faces):
+            source.findings.append(given.place.finding("E10", f"the body cannot be read: {flaw}", expected=CLOSED))
             continue
+        body = given if source.flat else _with_areas(given)
+        without_area += len(given.faces) - len(body.faces)
         parts: list[tuple[FloatArray, list[Face]]] = []
         materials: list[str] = []
         for part in [[k] for k in range(len(body.faces))] if source.flat else parts_of(body.points, body.faces):
@@ -68,14 +71,24 @@ def parted(source: Source) -> list[Parted]:
             parts.append((body.points[used], [tuple(face.tolist()) for face in np.split(inverse.ravel(), sizes)]))
             materials.append(_material(body, part))
         out.append(Parted(body, parts, materials))
-        unused += len(body.points) - len({node for face in body.faces for node in face})
-    source.findings += left_out({"vertices of no face": unused})
+        unused += len(body.points) - len({node for face in given.faces for node in face})
+    source.findings += left_out({"vertices of no face": unused, "faces without an area": without_area})
     colours = {name for item in out for name in item.materials if name.startswith(COLOUR)}
     if len(colours) > MOST_COLOURS:
         source.findings += left_out({"colours, too many for materials": len(colours)})
     if len(colours) > MOST_COLOURS or len({name for item in out for name in item.materials}) == 1:
         out = [replace(item, materials=[item.body.material] * len(item.parts)) for item in out]
     return out
+
+
+def _with_areas(body: Body) -> Body:
+    """Return a body without faces that are lines, as long as others are left."""
+    lines = {*degenerate(body.points, body.faces)}
+    if not lines or len(lines) == len(body.faces):
+        return body
+    kept = [number for number in range(len(body.faces)) if number not in lines]
+    colours = None if body.colours is None else body.colours[kept]
+    return replace(body, faces=[body.faces[number] for number in kept], colours=colours)
 
 
 def _material(body: Body, faces: Sequence[int]) -> str:

@@ -10,7 +10,9 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.findings import Findings, FindingsError
+from churchpipe.geometry.degenerate import degenerate
 from churchpipe.model.arrays import FloatArray
+from churchpipe.model.surfaces import edges
 from mesh_files import fortran, triangles, write_compas
 from solids import BOX_FACES, box
 
@@ -298,3 +300,29 @@ def test_a_3mf_without_a_model_is_told_once(tmp_path: Path) -> None:
     with pytest.raises(FindingsError) as raised:
         cp.read_stones(tmp_path / "a.3mf")
     assert str(raised.value).endswith("\n3mf/E03 a.3mf: the file is damaged: there is no model in it. Export it again.")
+
+
+@pytest.mark.parametrize("loose", [True, False])
+def test_triangles_that_are_lines_are_left_out_and_those_that_close_a_gap_stay(tmp_path: Path, loose: bool) -> None:
+    """Left in an STL, they were taken for bodies of their own, and hid where one stone ends and the next begins."""
+    bodies = [(points, triangles(points, BOX_FACES)) for points in (GROUND[1], LOW, HIGH)]
+    made: list[Solid] = []
+    for name, (points, faces) in zip(("ground", "low", "high"), bodies, strict=True):
+        # A corner once more, and the middle of an edge.
+        points = np.concatenate([points, points[:1], points[:2].mean(axis=0)[None]])
+        faces = [*faces, [0, 8, 1], [0, 0, 1], [0, 9, 1]]
+        made.append((name, *(soup(points, faces) if loose else (points, faces))))
+    stones, findings = cp.read_stones(obj(tmp_path / "lines.obj", *made))
+    assert codes(findings) == ({"W18", "W40"} if loose else {"W18"})
+    assert "left out: 9 faces without an area" in str(findings)
+    assert stones.volume.tolist() == pytest.approx([4.5, 0.5, 0.5])
+    # The long edge of one face, the two halves of it of its neighbour, and the line between them.
+    points, faces = HIGH, triangles(HIGH, BOX_FACES)
+    number = next(k for k, face in enumerate(faces) if {0, 1} <= {*face})
+    far = next(node for node in faces[number] if node > 1)
+    split = [[0, 8, far], [8, 1, far]] if (0, 1) in edges(tuple(faces[number])) else [[1, 8, far], [8, 0, far]]
+    line = [0, 1, 8] if (0, 1) in edges(tuple(faces[number])) else [1, 0, 8]
+    points = np.concatenate([points, points[:2].mean(axis=0)[None]])
+    closed = [*(face for k, face in enumerate(faces) if k != number), *split, line]
+    assert degenerate(points, [tuple(face) for face in closed]) == []
+    assert degenerate(points, [*map(tuple, closed), (0, 0, 1)]) == [len(closed)]
