@@ -97,11 +97,22 @@ def _finding(panel: Panel, stones: Assemblage, place: Place) -> Finding:
     voussoirs = sum(region.pieces for region in rings)
     laid: list[str] = []
     for region in bonds:
-        sizes = f"courses of {region.cell.a:.3g} m, about {region.cell.b:.3g} m long"
+        sizes = f"courses of {region.cell.a:.3g} m{_top(panel, stones, region.cell.a)}, about {region.cell.b:.3g} m long"
         laid.append(f"{counted(int(own.sum()) - voussoirs - lintels, 'stone')} in {region.pattern} bond, {sizes}")
     laid += [f"{voussoirs} voussoirs, about {rings[0].cell.a:.3g} m wide"] if rings else []
     laid += [counted(lintels, "lintel")] if lintels else []
     return place.finding("W28", f'"{panel.name}": laid {", and ".join(laid)}; {stones.volume[own].sum():.6g} m3')
+
+
+def _top(panel: Panel, stones: Assemblage, course: float) -> str:
+    """Return how high the top course of a wall with a level top is, where that is no whole course; "" where it is."""
+    level = panel.outline[:, 1] >= panel.outline[:, 1].max() - LEVEL
+    own = np.flatnonzero((stones.panel == panel.name) & stones.coursed)
+    if np.ptp(panel.outline[level, 0]) <= LEVEL or not len(own):
+        return ""
+    top = own[stones.course[own] == stones.course[own].max()].tolist()
+    height = max(float(np.ptp(stones.points[slice(*stones.block_point_ptr[stone : stone + 2]), 2])) for stone in top)
+    return "" if abs(height - course) <= 0.01 * course else f", the top one of {height:.3g} m"
 
 
 def _moved(name: str, by: float, place: Place) -> Finding:

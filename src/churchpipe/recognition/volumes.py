@@ -102,7 +102,10 @@ def _front_normal(area_vector: FloatArray, normal: FloatArray, size: FloatArray)
     total /= np.linalg.norm(total)
     if abs(total[2]) > np.sin(UPRIGHT):
         raise _no_wall(
-            "it leans", f"{np.degrees(np.arcsin(abs(total[2]))):.3g} degrees", "an upright wall", "Stand it up before the import."
+            "it leans",
+            f"{np.degrees(np.arcsin(abs(total[2]))):.3g} degrees",
+            "an upright wall",
+            "Stand it up before the import. Where it is a stone of an arch, draw the whole ring as one outline.",
         )
     level = np.array([total[0], total[1], 0.0]) / np.hypot(total[0], total[1])
     return level if outward(level) else -level

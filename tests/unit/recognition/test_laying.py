@@ -20,7 +20,7 @@ from churchpipe.match import match_models
 from churchpipe.model.assemblage import Assemblage, Polyhedron
 from churchpipe.recognition.insets import outline_and_holes
 from churchpipe.recognition.panels import fit_panels
-from mesh_files import write_obj, write_stl
+from mesh_files import write_dxf_outlines, write_obj, write_stl
 from solids import box, standing
 
 COURSE, STONE = 0.25, 0.5
@@ -341,3 +341,18 @@ def test_every_body_that_is_no_wall_is_named(tmp_path: Path):
     errors = caught.value.findings.errors
     assert [finding.code for finding in errors] == ["E28", "E28"]
     assert all(finding.remedy and finding.position for finding in errors)
+
+
+@pytest.mark.parametrize(("course", "said"), [(0.25, ""), (0.3, ", the top one of 0.2 m"), (1.9, ", the top one of 2 m")])
+def test_the_height_of_a_top_course_that_is_no_whole_one_is_said(course: float, said: str, tmp_path: Path):
+    wall = write_dxf_outlines(on_plate(box((0, 3), (0, 0.3), (0, 2))), tmp_path)
+    _, findings = cp.read_dxf(wall, unit_weight=18e3, bond="running", course=course, stone=STONE)
+    assert f"courses of {course:g} m{said}, about 0.5 m long" in str(findings)
+
+
+def test_stones_of_an_arch_are_to_be_drawn_as_a_ring_where_stones_are_laid():
+    angles = np.linspace(0.0, np.pi, 8)
+    inner, outer = (radius * np.stack([np.cos(angles), np.sin(angles)], axis=1) for radius in (0.6, 0.9))
+    first = shapely.Polygon([inner[0], outer[0], outer[1], inner[1]])
+    with pytest.raises(InputError, match=r"it leans; .* a stone of an arch, draw the whole ring as one outline"):
+        cp.lay_stones(volumes(standing(first, 0.3)), course=COURSE, stone=STONE)
