@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
@@ -128,13 +128,14 @@ def _interior_point(balance: Balance) -> _Solver:
     from churchpipe.conic.interior_point.info import as_share
     from churchpipe.conic.interior_point.settings import CENTRAL, VELOCITIES, Settings, with_duality_gap
 
-    solver = InteriorPointSolver(balance)
+    # Made when it is first asked: its symbolic analysis takes as long as an iteration or two.
+    solver = cache(partial(InteriorPointSolver, balance))
 
     def solve(program: ConeProgram, wanted: _Wanted) -> ConeSolution:
         central = VELOCITIES if wanted.velocities else CENTRAL
         settings = Settings() if wanted.duality_gap is None else with_duality_gap(central, wanted.duality_gap)
         report = as_share(wanted.progress, settings.duality_gap, settings.residual)
-        return solver.solve(program, settings, report, wanted.near)
+        return solver().solve(program, settings, report, wanted.near)
 
     return solve
 
