@@ -51,8 +51,8 @@ def _of_large(
     """Return the attempt at a step of a large model.
 
     In this order until one will do: stones that their neighbours cannot carry, the last forces, forces that fit the last motion,
-    stones that the dead load brings down, those that only forces across gaps would hold, those that give way before all others,
-    the forces of one associative program near the last motion.
+    stones that the dead load brings down, those that give way before all others, the forces of one associative program near the
+    last motion, and stones that only forces across gaps would hold.
     """
     model = motions.model
     if (fall := unsupported_fall(motions, program, gap, PATH.open)) is not None:
@@ -68,12 +68,14 @@ def _of_large(
         attempt = search.under_dead_load()
     if attempt.will_do(PATH.credible) or attempt.answer.outcome == "infeasible":
         return attempt
-    # Once nothing fits, stones that hang on joints which are open, if only a little, are not taken to stand.
-    if (fall := unsupported_fall(motions, program, gap, PATH.drift)) is not None:
-        return Attempt(fall, last.length)
     if (way := search.giving_way(PATH.withstood * motions.state.load_factor, own)) is not None:
         return way
-    return _better(attempt, search.onward(sliding, last.answer.y, pairs, own))
+    attempt = _better(attempt, search.onward(sliding, last.answer.y, pairs, own))
+    if attempt.will_do(PATH.credible):
+        return attempt
+    # Where nothing fits, stones that hang on joints which are open, if only a little, are not taken to stand.
+    fall = unsupported_fall(motions, program, gap, PATH.drift)
+    return attempt if fall is None else Attempt(fall, last.length)
 
 
 def unsupported_fall(motions: Motions, program: StepProgram, gap: FloatArray, wide: float) -> StepAnswer | None:
