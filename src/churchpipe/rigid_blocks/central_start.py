@@ -97,7 +97,7 @@ class _Matrix(Scaled):
         scaling = system.scaling(forces, z)
         super().__init__(scaling)
         self._system, self._square = system, squared(scaling)
-        self._lever = system.factorise(0, system.assembled(self._square))
+        self._lever = system.factorise(0, self._square)
         self._stiffness = float(system.live @ self._lever)
 
     def step(self, target: FloatArray, residual: FloatArray, excess: float) -> ContactState:

@@ -27,7 +27,6 @@ from churchpipe.conic.interior_point.second_order import SecondOrder, SecondOrde
 from churchpipe.conic.interior_point.wrenches import WrenchCoupling
 from churchpipe.conic.wrenches import BODY
 from churchpipe.model.arrays import BoolArray, FloatArray
-from churchpipe.rigid_blocks.body_matrices import BodyMatrices, BodyMatrix
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.settings import CentralSettings
@@ -69,7 +68,6 @@ class ContactSystem:
         self.coupling = WrenchCoupling(balance.wrenches)
         self.normal = NormalMatrix(self.coupling)
         self.factors = Cholesky(self.normal.pattern, BODY), Cholesky(self.normal.pattern, BODY)
-        self.matrices = BodyMatrices(self.normal)
         self.cone = SecondOrder(3, 1, self.points)
         self.unit = self.cone.identity()[:, 0]
         self.factorisations = 0
@@ -116,28 +114,17 @@ class ContactSystem:
         """Return the correction that brings the eigenvalues of products (3, nc) into [low, high]."""
         return self.cone.recentre(product[:, None], low, high)[:, 0]
 
-    def assembled(self, compliance: FloatArray) -> FloatArray:
-        """Return the nonzeros of the lower triangle of B S B^T, of symmetric 3 x 3 blocks S (3, 3, nc)."""
-        return self.normal.assemble(self._of_forces(compliance))
-
-    def matrix(self, compliance: FloatArray) -> BodyMatrix:
-        """Return the matrix B S B^T of 3 x 3 blocks S (3, 3, nc)."""
-        return self.matrices.matrix(self._of_forces(compliance))
-
-    def _of_forces(self, compliance: FloatArray) -> FloatArray:
-        """Return blocks of X = (mu n, t) as those of (n, t)."""
-        n = np.ones((3, self.points))
-        n[0] /= self.friction
-        return np.ascontiguousarray(compliance * n[:, None] * n)
-
-    def factorise(self, which: int, lower: FloatArray) -> FloatArray:
-        """Factorise the matrix with these nonzeros of its lower triangle, and return its solution for the live load.
+    def factorise(self, which: int, compliance: FloatArray) -> FloatArray:
+        """Factorise the matrix B S B^T of 3 x 3 blocks S (3, 3, nc), and return its solution for the live load.
 
         Raises
         ------
         NotDefiniteError
         """
-        values, diagonal = lower.copy(), lower[self.normal.diagonal]
+        n = np.ones((3, self.points))
+        n[0] /= self.friction
+        values = self.normal.assemble(np.ascontiguousarray(compliance * n[:, None] * n))
+        diagonal = values[self.normal.diagonal]
         shift = _REGULARISATION * (diagonal + _OF_STONE * np.repeat(diagonal.reshape(-1, BODY).max(axis=1), BODY))
         for attempt in range(_ATTEMPTS):
             values[self.normal.diagonal] = diagonal + _MORE**attempt * shift
@@ -203,11 +190,9 @@ class Linearisation(Scaled):
         self._bound = np.ones(system.points) if released is None else np.where(released, 0.0, 1.0)
         self._plain, self._mixed = plain / (1.0 + damping), self._bound * mixed / (1.0 + damping)
         both *= self._bound
-        self._lever = system.factorise(0, system.assembled(self._plain))
-        values = system.assembled((1.0 + damping) * both)
-        self._guess = system.factorise(1, values)
-        self._both = system.matrices.symmetric(damping * (2.0 + damping) / (1.0 + damping) ** 2 * values)
-        self._crossing = system.matrix(self._mixed)
+        self._both = damping * (2.0 + damping) / (1.0 + damping) * both
+        self._lever = system.factorise(0, self._plain)
+        self._guess = system.factorise(1, (1.0 + damping) * both)
         self._stiffness, self._guess_work = float(system.live @ self._lever), float(system.live @ self._guess)
 
     def tangent(self, rates: FloatArray) -> FloatArray:
@@ -219,12 +204,12 @@ class Linearisation(Scaled):
         system, damping, live = self._system, self._damping, self._system.live
         wanted = self.scaled(target) / (1.0 + damping)
         raised = self._bound * (np.stack([np.zeros(system.points), wanted[1], wanted[2]]) + self._slope * wanted[0])
-        rows = self._solve(0, system.couple(wanted) + residual)
-        free = self._idle(rows) - self._lever * (pull / self._stiffness)
-        right = damping * system.couple(raised) + self._crossing.transposed_times(free)
+        free = self._solve(0, system.couple(wanted) + residual)
+        idle = self._idle(free) - self._lever * (pull / self._stiffness)
+        right = damping * system.couple(raised) + system.couple(multiply(self._mixed, system.rates(idle), True))
         y, crossed = self._velocities(right, excess)
         rates = system.rates(y)
-        lack = rows - crossed
+        lack = free - crossed
         gain = (float(live @ lack) + pull) / self._stiffness
         u = system.rates(lack - self._lever * gain)
         forces = wanted - multiply(self._mixed, rates) - multiply(self._plain, u)
@@ -242,10 +227,10 @@ class Linearisation(Scaled):
         return ContactState(forces, -share, np.zeros_like(residual), np.zeros_like(forces))
 
     def _velocities(self, right: FloatArray, excess: float) -> tuple[FloatArray, FloatArray]:
-        """Return dy with H dy = right, f_L . dy = -excess, and A^-1 C dy, by conjugate gradients."""
-        y, crossed, left = np.zeros_like(right), np.zeros_like(right), right
+        """Return dy with H dy = right, f_L . dy = -excess, and A^-1 C dy (see `_hessian`), by conjugate gradients."""
+        y = self._guess * (-excess / self._guess_work)
+        left, crossed = right, np.zeros_like(right)
         if excess:
-            y = self._guess * (-excess / self._guess_work)
             bent, crossed = self._hessian(y)
             left = right - bent
         change = self._near(left)
@@ -263,16 +248,19 @@ class Linearisation(Scaled):
         return y, crossed
 
     def _hessian(self, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return H y and A^-1 C y."""
-        crossed = self._solve(0, self._crossing.times(y))
-        return self._both.times(y) + self._crossing.transposed_times(self._idle(crossed)), crossed
+        """Return H y and A^-1 C y, with the matrix A of the forces and C = B W^2 J B^T, over 1 + damping."""
+        system = self._system
+        rates = system.rates(y)
+        crossed = self._solve(0, system.couple(multiply(self._mixed, rates)))
+        idle = system.rates(self._idle(crossed))
+        return system.couple(multiply(self._both, rates) + multiply(self._mixed, idle, True)), crossed
 
     def _idle(self, u: FloatArray) -> FloatArray:
-        """Return solutions with the matrix of the forces as those that do no work with the live load."""
+        """Return a solution with the matrix of the forces (6 nf,) as the one that does no work with the live load."""
         return u - self._lever * (float(self._system.live @ u) / self._stiffness)
 
     def _near(self, rows: FloatArray) -> FloatArray:
-        """Return the solution, without work of the live load, with the matrix that stands for H."""
+        """Return the solution without work of the live load with the matrix that stands for H."""
         found = self._solve(1, rows)
         return found - self._guess * (float(self._system.live @ found) / self._guess_work)
 
@@ -290,17 +278,21 @@ def squared(scaling: SecondOrderScaling) -> FloatArray:
     return blocks * square
 
 
-def multiply(blocks: FloatArray, v: FloatArray) -> FloatArray:
-    """Return blocks_ijk v_jk (3, nc)."""
+def multiply(blocks: FloatArray, v: FloatArray, transposed: bool = False) -> FloatArray:
+    """Return blocks_ijk v_jk, or blocks_jik v_jk (3, nc)."""
     out = np.empty_like(v)
-    _multiply(blocks, v, out)
+    _multiply(blocks, v, transposed, out)
     return out
 
 
 @numba.njit(cache=True)
-def _multiply(blocks: FloatArray, v: FloatArray, out: FloatArray) -> None:
-    """Write blocks_ijk v_jk into out_ik."""
+def _multiply(blocks: FloatArray, v: FloatArray, transposed: bool, out: FloatArray) -> None:
+    """Write blocks_ijk v_jk, or blocks_jik v_jk, into out_ik."""
     for k in range(v.shape[1]):
         a, b, c = v[0, k], v[1, k], v[2, k]
-        for i in range(3):
-            out[i, k] = blocks[i, 0, k] * a + blocks[i, 1, k] * b + blocks[i, 2, k] * c
+        if transposed:
+            for i in range(3):
+                out[i, k] = blocks[0, i, k] * a + blocks[1, i, k] * b + blocks[2, i, k] * c
+        else:
+            for i in range(3):
+                out[i, k] = blocks[i, 0, k] * a + blocks[i, 1, k] * b + blocks[i, 2, k] * c
