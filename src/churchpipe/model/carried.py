@@ -375,18 +375,16 @@ def _store_load(
         in_range(load.__class__, key, f"{where}: {key}", value)
     finite(f"{where}: thrust", thrust)
     finite(f"{where}: eccentricity", eccentricity)
-    pushes = float(dead if mass is None else mass)
-    if not (dead or thrust or pushes):
-        dead_or = "dead or" if isinstance(load, AreaLoad) else "dead, thrust or"
-        raise InputError(where, "no load", expected=f"{dead_or} mass other than zero")
+    if not (dead or thrust or mass):
+        kinds = "dead" if isinstance(load, AreaLoad) else "dead, thrust"
+        raise InputError(where, "no load", expected=f"{kinds} or mass other than zero")
     if (thrust or eccentricity) and toward is None:
         what = "a thrust" if thrust else "an eccentricity"
         raise InputError(where, f"{what} without a direction", expected="toward, a level vector such as [1, 0, 0]")
-    store(load, dead=float(dead), mass=None if mass is None else pushes)
+    store(load, dead=float(dead), mass=None if mass is None else float(mass))
     if not isinstance(load, AreaLoad):
-        store(
-            load, thrust=float(thrust), toward=None if toward is None else _level(where, toward), eccentricity=float(eccentricity)
-        )
+        side = None if toward is None else _level(where, toward)
+        store(load, thrust=float(thrust), toward=side, eccentricity=float(eccentricity))
 
 
 def _level(where: str, toward: Toward) -> FloatArray:
