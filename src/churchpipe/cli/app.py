@@ -2,6 +2,7 @@
 
 import importlib.metadata
 import sys
+from collections.abc import Iterable
 from typing import Annotated
 
 import typer
@@ -20,6 +21,12 @@ app = typer.Typer(
 # Names and paths are printed as they are: no markup and no emoji in them. Into a file or a pipe, tables keep their width.
 out = Console(highlight=False, markup=False, emoji=False, width=None if sys.stdout.isatty() else 120)
 err = Console(stderr=True, highlight=False, markup=False, emoji=False)
+
+
+def ask(questions: Iterable[str]) -> None:
+    """Print what is to be asked about the input, beside what was asked for."""
+    for question in questions:
+        err.print(question, soft_wrap=True)
 
 
 def _version(wanted: bool) -> None:

@@ -2,13 +2,13 @@
 
 import re
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from churchpipe.cli.app import app, err, out
+from churchpipe.cli.app import app, ask, err, out
 from churchpipe.errors import InputError, UsageError
 from churchpipe.options import out_option
 from churchpipe.resources import sample_case, sample_names
@@ -83,7 +83,7 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
 
     cases = read_variants(path, changes)
     first = laying_questions(cases)
-    _ask(first)
+    ask(first)
     seen: list[Any] = []
     for case in cases:
         made = case.building() if isinstance(case.source, Generated) else None
@@ -105,7 +105,7 @@ def check_case(path: Path, changes: Sequence[str]) -> None:
     )
     words = [counted(len(made), one, several) for made, one, several in counts if made]
     out.print(f"{path}: {', '.join(words)}.", soft_wrap=True)
-    _ask(text for text in (*todo.index["questions"], *work_questions(cases)) if text not in first)
+    ask(text for text in (*todo.index["questions"], *work_questions(cases)) if text not in first)
 
 
 def _check_there(path: Path, case: Any) -> None:
@@ -134,7 +134,7 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
     name = f"{path}, {case.variant.name}" if case.variant else str(path)
     free = counted(int((~stones.fixed).sum()), "stone")
     out.print(f"{name}: {free}, {counted(len(contacts.area), 'joint')}.", markup=False, soft_wrap=True)
-    _ask([*size_questions(stones), *ground_questions(case, stones, contacts)])
+    ask([*size_questions(stones), *ground_questions(case, stones, contacts)])
 
 
 def _check_drawn(path: Path, case: Any) -> None:
@@ -151,9 +151,4 @@ def _check_drawn(path: Path, case: Any) -> None:
     out.print(f"{case.source.path}: {counted(free, 'stone')}.", soft_wrap=True)
     for line in joint_words(read.stones, contacts):
         out.print(line, soft_wrap=True)
-    _ask([*size_questions(read.stones), *asked])
-
-
-def _ask(asked: Iterable[str]) -> None:
-    for question in asked:
-        err.print(question, markup=False, soft_wrap=True)
+    ask([*size_questions(read.stones), *asked])

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from churchpipe.cli.app import err
+from churchpipe.cli.app import ask
 from churchpipe.errors import InputError, UsageError
 
 Units = Annotated[str | None, typer.Option(help="Read the drawing in this unit (m, mm, in ...), whatever it says.")]
@@ -97,8 +97,7 @@ def with_reading(command: Callable[..., None]) -> Callable[..., None]:
         if reading.bond is not None:
             from churchpipe.config.laid_sizes import reading_questions
 
-            for question in reading_questions(reading):
-                err.print(question, markup=False, soft_wrap=True)
+            ask(reading_questions(reading))
         command(**given, reading=reading)
 
     parameters = [one for one in own.parameters.values() if one.name != "reading"]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from churchpipe.cli.app import FINDINGS, INTERRUPTED, STRUCTURE, app, err, out
+from churchpipe.cli.app import FINDINGS, INTERRUPTED, STRUCTURE, app, ask, err, out
 from churchpipe.cli.cases import read_sound
 from churchpipe.errors import InputError, UsageError
 from churchpipe.options import CaseFile, Changes, RunFolder, out_option
@@ -98,8 +98,7 @@ def _run(
     if only and only not in known:
         raise UsageError(f"--only {only}", "no such stage in this case", expected=", ".join(known))
     until = only if only != known[-1] else ""
-    for question in work_questions(chosen):
-        err.print(question, markup=False, soft_wrap=True)
+    ask(work_questions(chosen))
     folder = folder_of(case, cases[0].name, out_dir)
 
     def prepare(place: Path = folder) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from churchpipe.cli.app import app, err, out
+from churchpipe.cli.app import app, ask, err, out
 from churchpipe.cli.cases import check_case
 from churchpipe.cli.reading import refuse_misplaced, with_reading
 from churchpipe.errors import UsageError
@@ -58,12 +58,10 @@ def import_file(
     out.print(f"Look at it: {folder / 'findings.html'}{more}", markup=False, soft_wrap=True)
     for line in (*done.joints, done.shell):
         out.print(line, markup=False, soft_wrap=True)
-    for question in done.asked:
-        err.print(question, markup=False, soft_wrap=True)
+    ask(done.asked)
     for key in done.missing:
         out.print(f"Still to be filled in: {key}", markup=False, soft_wrap=True)
-    for question in () if done.missing else questions(read_variants(done.case)):
-        err.print(question, markup=False, soft_wrap=True)
+    ask(() if done.missing else questions(read_variants(done.case)))
     out.print(f"Next: churchpipe run {shlex.quote(str(done.case))}", markup=False, soft_wrap=True)
 
 
@@ -118,8 +116,7 @@ def check(
     _list(read.findings)
     for line in joint_words(read.stones, contacts):
         out.print(line, markup=False, soft_wrap=True)
-    for question in size_questions(read.stones):
-        err.print(question, markup=False, soft_wrap=True)
+    ask(size_questions(read.stones))
     after = f"churchpipe import {shlex.quote(str(file))}"
     if folder:
         record_findings(read.findings, folder, read.units, read.stones, f"{after}, with the same options, makes a case of it.")
