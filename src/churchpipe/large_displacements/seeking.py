@@ -68,8 +68,8 @@ def _of_large(
         attempt = search.under_dead_load()
     if attempt.will_do(PATH.credible) or attempt.answer.outcome == "infeasible":
         return attempt
-    if (way := search.giving_way(PATH.withstood * motions.state.load_factor, own)) is not None:
-        return way
+    if (fall := search.giving_way(PATH.withstood * motions.state.load_factor, own)) is not None:
+        return fall
     attempt = _better(attempt, search.onward(sliding, last.answer.y, pairs, own))
     if attempt.will_do(PATH.credible):
         return attempt
