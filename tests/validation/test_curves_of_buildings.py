@@ -68,3 +68,13 @@ def test_the_curve_of_the_tower_begins_where_it_does_whatever_the_step() -> None
     one, other = (np.interp(way, each.displacement, each.load_factor) for each in (whole, half))
     assert min(whole.largest[-1], half.largest[-1]) > 0.25
     assert np.abs(other - one).max() <= 0.02 * whole.load_factor[0]
+
+
+@pytest.mark.slow("docs/capacity_curve.md: tower of the church, past the voussoirs that hang on joints which open")
+def test_the_curve_of_the_tower_goes_on_past_stones_that_hang() -> None:
+    past = curve(5, "church", 30, 0.04, "tower +x")
+    assert len(past.load_factor) == 30
+    assert past.largest[-1] > 0.7
+    # Without them forces and motion fit again.
+    assert past.misfit[-5:].max() < 0.01
+    assert sum(len(part.stones) for part in past.fallen) <= 12

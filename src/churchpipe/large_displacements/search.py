@@ -1,6 +1,7 @@
 """Forces and motion of a step, sought in programs until they fit each other."""
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -180,6 +181,28 @@ class StepSearch:
     def under_dead_load(self) -> Attempt:
         """Return the attempt in which stones fall that the dead load alone brings down, or one without motion."""
         return Attempt(fallen_alone(self.within(self._begin), self._solve), self._begin)
+
+    def letting_go(self, attempt: Attempt, pairs: int, solve: Solve | None) -> Attempt | None:
+        """Return the fall of stones that hang on joints which open, None where the others hold them.
+
+        A motion that misses its forces opens joints that press. These let go, and those that press instead and open in turn,
+        until the others do not carry the dead load any more. solve: as in `by_pairs`.
+        """
+        released = copy(self)
+        for _ in range(PATH.lengths):
+            if attempt.answer.outcome != "solved" or attempt.fits(PATH.credible):
+                return None
+            program, answer = released._program, attempt.answer
+            opening = np.maximum(self.within(attempt.length).rates(answer.y)[:, 0], 0.0)
+            work = np.maximum(answer.forces[:, 0], 0.0) * opening
+            gone = work > PATH.let_go * answer.gap
+            bound = np.where(gone, 0.0, program.strength.bound)
+            released._program = replace(program, strength=replace(program.strength, bound=bound))
+            if (fall := released.under_dead_load()).answer.outcome == "infeasible":
+                return fall
+            forces = np.where(gone[:, None], 0.0, answer.forces)
+            attempt = released.fitted(attempt._replace(answer=replace(answer, forces=forces)), pairs, solve)
+        return None
 
     def giving_way(self, load_factor: float, solve: Solve | None) -> Attempt | None:
         """Return the fall of a few stones with which the structure would stand less than a load factor, None where none fall.

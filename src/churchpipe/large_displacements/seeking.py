@@ -13,6 +13,7 @@ from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.state_program import last_velocities
 from churchpipe.large_displacements.step import StepAnswer, StepProgram
 from churchpipe.large_displacements.unsupported import unsupported
+from churchpipe.mechanism import stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
 
 
@@ -52,7 +53,7 @@ def _of_large(
 
     In this order until one will do: stones that their neighbours cannot carry, the last forces, forces that fit the last motion,
     stones that the dead load brings down, those that give way before all others, the forces of one associative program near the
-    last motion, and stones that only forces across gaps would hold.
+    last motion, and stones that only forces across gaps, or in joints which open, would hold.
     """
     model = motions.model
     if (fall := unsupported_fall(motions, program, gap, PATH.open)) is not None:
@@ -73,9 +74,16 @@ def _of_large(
     attempt = _better(attempt, search.onward(sliding, last.answer.y, pairs, own))
     if attempt.will_do(PATH.credible):
         return attempt
-    # Where nothing fits, stones that hang on joints which are open, if only a little, are not taken to stand.
-    fall = unsupported_fall(motions, program, gap, PATH.drift)
-    return attempt if fall is None else Attempt(fall, last.length)
+    # Where nothing fits, stones that hang on joints which are open, if only a little, or which open, are not taken to stand.
+    if (fall := unsupported_fall(motions, program, gap, PATH.drift)) is not None:
+        return Attempt(fall, last.length)
+    if (hanging := search.letting_go(attempt, pairs, own)) is not None:
+        # Others move with those that hang, as they may: whether they fall is asked again without these.
+        speed = stone_speed(motions.stones, motions.velocities(hanging.answer.y))
+        foremost = speed > PATH.foremost * float(speed.max())
+        if light(model, motions.state, foremost):
+            return Attempt(_fall_of(foremost[motions.free], program), last.length)
+    return attempt
 
 
 def unsupported_fall(motions: Motions, program: StepProgram, gap: FloatArray, wide: float) -> StepAnswer | None:

@@ -80,7 +80,9 @@ class PathSettings:
         one of a few stones. expendable: stones that weigh no more than this share of what moved at the start may fall out
         without ending the curve; few: a share of what may fall out, see `Demands.faster`. strongest: what normal forces of so
         many weights in all cannot hold falls. withstood: in a large model a light stone falls that cannot stand this share of
-        the last load factor, even if all others stood fast. left_behind: stones slower than this share of a support stand still
+        the last load factor, even if all others stood fast. let_go: where nothing fits there, joints that open under pressure
+        let go, if they are more than this share of what is missed; foremost: of what falls then stones that are faster than
+        this are taken out. left_behind: stones slower than this share of a support stand still
         while it moves.
 
     Contacts found anew:
@@ -136,6 +138,8 @@ class PathSettings:
     expendable: float = 0.05
     few: float = 0.1
     strongest: float = 100.0
+    let_go: float = 0.01
+    foremost: float = 0.5
     withstood: float = 0.8
     left_behind: float = 1e-4
     depth: float = 0.5

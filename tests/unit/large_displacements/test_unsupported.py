@@ -12,14 +12,16 @@ from churchpipe.conic.wrenches import pair_wrenches
 from churchpipe.large_displacements.motions import Motions
 from churchpipe.large_displacements.moving_model import MovingModel, moving_model
 from churchpipe.large_displacements.path_state import first_state
+from churchpipe.large_displacements.search import Attempt, StepSearch
 from churchpipe.large_displacements.seeking import unsupported_fall
-from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.settings import PATH, THRIFTY
 from churchpipe.large_displacements.state_program import state_program, step_program
-from churchpipe.large_displacements.step import StepProgram, fallen_alone
+from churchpipe.large_displacements.step import StepAnswer, StepProgram, fallen_alone
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.large_displacements.unsupported import unsupported
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.rigid_blocks.certificate import Strength
+from churchpipe.rigid_blocks.coulomb import bipotential_gap
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from solids import box, moved, on_ground
 
@@ -76,6 +78,32 @@ def test_a_stone_hangs_on_joints_that_are_hardly_open_only_where_a_motion_fits(s
     fall = unsupported_fall(motions, program, gap, PATH.drift)
     assert (fall is not None) == falls
     assert fall is None or motions.falling(fall).nonzero()[0].tolist() == [free[2]]
+
+
+@pytest.mark.parametrize(("foot", "falls"), [(1.0, True), (0.0, False)])
+def test_a_stone_lets_go_of_joints_that_its_motion_leaves_open(foot: float, falls: bool) -> None:
+    """Friction holds it between two others across a joint that stays open: it falls, unless it stands on the ground as well."""
+    beside = box((0, 1), (0, 1), (0, 2)), box((0, 1), (1.5, 2.5), (0, 2))
+    stones = on_ground(*beside, box((0, 1), (1, 1.5), (foot, foot + 1)))
+    model = model_of(stones)
+    state = first_state(model)
+    _, program, free, gap = state_program(model, state)
+    open_ = (np.sort(state.joints.pair) == free[1:]).all(axis=1)
+    gap[open_] = 1e-3
+    forces = np.zeros((len(gap), 3))
+    forces[open_, 0] = 0.5
+    y = np.zeros(18)
+    y[::6] = 1.0 / program.live[::6].sum()
+    search = StepSearch(program, gap, solver_for(program.balance), lambda _: 0.01, lambda *_: False, 0.01, 0.02, THRIFTY)
+    at = search.within(0.01)
+    answer = StepAnswer("solved", forces, 0.3, y, gap=bipotential_gap(at, at.strength, forces, y))
+    attempt = Attempt(answer, 0.01)
+    assert attempt.answer.misfit > PATH.credible
+    found = search.letting_go(attempt, PATH.pairs, None)
+    assert (found is not None) == falls
+    if found:
+        speed = np.linalg.norm(found.answer.y.reshape(-1, 6)[:, :3], axis=1)
+        assert np.flatnonzero(speed > PATH.foremost * speed.max()).tolist() == [2]
 
 
 @pytest.mark.parametrize(("width", "friction", "limit"), [(0.6, 0.6, 0.3), (2.0, 0.4, 0.4)])

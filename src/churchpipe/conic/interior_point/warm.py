@@ -44,7 +44,7 @@ def centred(points: CoulombPoints, x: FloatArray, pull: FloatArray, product: flo
     pull (3, c): what the multipliers of the cones must balance there, B^T y and the cost of the force.
     """
     out = np.where(points.active, x, 0.0)
-    cones = points.active[1] & ~points.guarded
+    cones = points.active[:2].all(axis=0) & ~points.guarded
     slack = points.limit[cones] + points.slope[cones] * out[0, cones]
     multiplier = np.abs(pull[0, cones]) / points.slope[cones]
     weight = float(multiplier.sum()) / max(float(slack.sum()), _TINY) or 1.0
@@ -67,7 +67,7 @@ def _centre(
     x: FloatArray,
 ) -> None:
     for k in range(x.shape[1]):
-        if active[1, k] and not guarded[k]:
+        if active[0, k] and active[1, k] and not guarded[k]:
             _centre_cone(limit[k], slope[k], pull, mu, weight, x, k)
             continue
         slip = 0.0
