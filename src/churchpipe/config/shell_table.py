@@ -37,7 +37,9 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool], joint: float | 
     try:
         fitted = fit_panels(stones, joint=joint)
     except InputError as error:
-        return ShellTable({}, f"No shell: {error.problem}; the rigid blocks stand alone. {error.remedy}")
+        # Of all stones alike there is no place to name.
+        where = "" if error.where == "stones" else f"{error.where}: "
+        return ShellTable({}, f"No shell: {where}{error.problem}; the rigid blocks stand alone. {error.remedy}".rstrip())
     size = vault_size(fitted.vaults) if fitted.vaults else element_size(fitted.panels)
     used = {panel.material for panel in fitted.panels} | {vault.material for vault in fitted.vaults}
     complete = all(elastic[name] for name in used)

@@ -1,13 +1,24 @@
 """Where walls cross one another, and where one macro-element of a wall ends and the next begins."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
 from scipy.optimize import brentq
 
 from churchpipe.geometry.charts import base_level
-from churchpipe.geometry.planar import Polygons, areas, boxes, centroids, common_areas, polygon, total_extent, united, within
+from churchpipe.geometry.planar import (
+    Polygons,
+    areas,
+    bounds,
+    boxes,
+    centroids,
+    common_areas,
+    polygon,
+    total_extent,
+    united,
+    within,
+)
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Part
 from churchpipe.recognition.stone_walls import StoneWall, stretches
@@ -48,8 +59,9 @@ def wall_parts(
     """Return the parts of a wall: for each other name of stones in it the box around these stones, from border to border.
 
     The border of two parts is an upright line, or a level one if they are above each other. It lies so that each part has as
-    much area beyond it as the other; for a toothed border that is the mean. It is moved to a step of the outline or to the face
-    of a crossing wall within `near` m. A side that is no border ends with the last stones, a few millimetres below the slope of a
+    much area beyond it as the other; for a toothed border that is the mean. A part within another, as a band of courses or a
+    bay, has a border on each side where the other goes on. A border is moved to a step of the outline or to the face of a wall
+    that crosses within `near` m. A side that is no border ends with the last stones, a few millimetres below the slope of a
     gable; where the wall goes on by less than a square of `near`, it goes to the end of the wall. known: names left out.
     """
     names = [name for name in dict.fromkeys(wall.tag.tolist()) if name not in (wall.name, *known)]
@@ -68,14 +80,14 @@ def wall_parts(
     for first, second in combinations(elevations, 2):
         if not within(unions[first], unions[second], near):
             continue
-        apart = _middle(elevations[second]) - _middle(elevations[first])
-        axis = int(np.argmax(np.abs(apart)))
-        low, high = (first, second) if apart[axis] > 0 else (second, first)
-        line = _border(elevations[low], elevations[high], axis)
-        mark = marks[axis][np.argmin(np.abs(marks[axis] - line))]
-        line = mark if abs(mark - line) < near else line
-        extents[low][2 + axis] = extents[high][axis] = line
-        free[low][2 + axis] = free[high][axis] = False
+        for ends, begins, axis, line in _borders(elevations, first, second):
+            # A step so far away that a part would lose half of it, as a course on a layer of its own, is not its border.
+            reach = min(near, *(0.5 * np.ptp(total_extent(elevations[name])[axis::2]) for name in (ends, begins) if name))
+            mark = marks[axis][np.argmin(np.abs(marks[axis] - line))]
+            line = mark if abs(mark - line) < reach else line
+            for name, side in ((ends, 2 + axis), (begins, axis)):
+                if name:
+                    extents[name][side], free[name][side] = line, False
     return tuple(Part(name, _box(_to_the_end(extents[name], free[name], outline, near))) for name in names)
 
 
@@ -87,6 +99,45 @@ def _to_the_end(extent: FloatArray, free: list[bool], outline: FloatArray, near:
         short, long = common_areas(boxes(np.array([extent, longer])), polygon(outline))
         extent = longer if long - short < near**2 else extent
     return extent
+
+
+def _borders(elevations: Mapping[str, Polygons], first: str, second: str) -> Iterator[tuple[str, str, int, float]]:
+    """Yield the borders of two parts that meet: the part that ends there, the one that begins, the axis across, and the place.
+
+    A part that lies within another, as a band in a wall or a bay that reaches its top, has a border on each side where the other
+    goes on, and the other neither ends nor begins there: its name is left empty.
+    """
+    extent = {name: total_extent(elevations[name]) for name in (first, second)}
+    for inner, outer in ((first, second), (second, first)):
+        start, stop = extent[inner].reshape(2, 2) - extent[outer].reshape(2, 2)
+        if (start > -TOUCH).all() and (stop < TOUCH).all() and ((start > TOUCH) | (stop < -TOUCH)).any():
+            for across in range(2):
+                sides = bool(start[across] > TOUCH), bool(stop[across] < -TOUCH)
+                yield from _around(elevations[inner], elevations[outer], inner, across, sides)
+            return
+    apart = _middle(elevations[second]) - _middle(elevations[first])
+    axis = int(np.argmax(np.abs(apart)))
+    low, high = (first, second) if apart[axis] > 0 else (second, first)
+    yield low, high, axis, _border(elevations[low], elevations[high], axis)
+
+
+def _around(
+    inner: Polygons, outer: Polygons, name: str, axis: int, sides: tuple[bool, bool]
+) -> Iterator[tuple[str, str, int, float]]:
+    """Yield the borders at the ends of a part that lies within another: with the stones before it, and with those beyond.
+
+    sides: whether the other part goes on before, and beyond.
+    """
+    extents, own = bounds(outer), total_extent(inner)
+    aside, size = 1 - axis, np.ptp(own.reshape(2, 2), axis=0)
+    level = (extents[:, aside] < own[2 + aside] - TOUCH) & (extents[:, 2 + aside] > own[aside] + TOUCH)
+    away = (centroids(outer) - _middle(inner)) / size
+    beside = level & (np.abs(away[:, axis]) > np.abs(away[:, aside]))
+    before, beyond = beside & (away[:, axis] < 0), beside & (away[:, axis] > 0)
+    if sides[0] and before.any():
+        yield "", name, axis, _border(outer[before], inner, axis)
+    if sides[1] and beyond.any():
+        yield name, "", axis, _border(inner, outer[beyond], axis)
 
 
 def _middle(polygons: Polygons) -> FloatArray:
@@ -107,6 +158,6 @@ def _border(low: Polygons, high: Polygons, axis: int) -> float:
     return float(brentq(excess, start, stop, xtol=TOUCH))
 
 
-def _box(bounds: FloatArray) -> FloatArray:
-    s0, t0, s1, t1 = bounds
+def _box(extent: FloatArray) -> FloatArray:
+    s0, t0, s1, t1 = extent
     return np.array([[s0, t0], [s1, t0], [s1, t1], [s0, t1]])
