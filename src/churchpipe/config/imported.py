@@ -1,6 +1,7 @@
 """The case file of an imported drawing, or of another file of stones."""
 
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING
 from pathlib import Path
@@ -44,7 +45,8 @@ def imported_case(
     """
     case = tomlkit.document()
     case.add(tomlkit.comment(f"Imported from {path.name}."))
-    case["name"] = re.sub(r"[^A-Za-z0-9_.+-]+", "-", path.stem).strip("-.+") or "drawing"
+    # Composed letters, which a file system may have taken apart, are letters of a name.
+    case["name"] = re.sub(r"[^\w.+-]+", "-", unicodedata.normalize("NFC", path.stem)).strip("-.+") or "drawing"
     kind = "dxf" if path.suffix.lower() == ".dxf" else "file"
     case["source"] = _table({kind: path.name, **as_written(reading, defaults=False)})
     materials, missing = tomlkit.table(is_super_table=True), list[str]()

@@ -115,6 +115,8 @@ def read_stones(
 def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str, float] | None = None, **options: Any) -> Drawing:
     """Read a file of stones in any format, with what a drawing says beside them; see `read_stones`."""
     path = path_of("read_stones: path", path)
+    # "." and ".." are no names that a finding could be told by.
+    path = path.resolve() if path.name in ("", "..") else path
     known = [item.name for item in fields(Reading)]
     for name in options:
         if name not in known:

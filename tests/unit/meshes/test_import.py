@@ -14,6 +14,7 @@ from churchpipe.findings import FindingsError
 from churchpipe.importing import check_drawing, import_drawing
 from churchpipe.io.atomic import read_json
 from churchpipe.io.npz import read_npz
+from churchpipe.meshes.reader import read_stones
 from churchpipe.model.assemblage import Assemblage
 from mesh_files import WRITERS, fuzz_wall, write_obj
 
@@ -49,6 +50,22 @@ def _bricks() -> list:
     from mesh_files import solids
 
     return [(points, faces) for _, points, faces, fixed in solids(fuzz_wall()) if not fixed]
+
+
+@pytest.mark.parametrize(("stem", "name"), [("Stützmauer süd", "Stützmauer-süd"), ("Su\u0308d", "Süd"), ("北 (1)", "北-1")])
+def test_the_case_has_the_name_of_its_file_in_any_alphabet(stem: str, name: str, tmp_path: Path) -> None:
+    # Names that differ in such letters alone would be runs of one name, and one folder.
+    path = write_obj(fuzz_wall(), tmp_path / f"{stem}.obj")
+    done = import_drawing(path, tmp_path / "case", unit_weight=18e3, friction=0.6, loads=["+x"])
+    assert read_case(done.case).name == name
+
+
+def test_a_folder_that_is_read_from_within_is_called_by_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "stones"
+    folder.mkdir()
+    write_obj(fuzz_wall(), folder / "wall.obj")
+    monkeypatch.chdir(folder)
+    assert read_stones(".")[1].file == read_stones(folder)[1].file == "stones"
 
 
 def test_what_cannot_be_read_leaves_nothing_behind(tmp_path: Path) -> None:
