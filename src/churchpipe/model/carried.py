@@ -18,7 +18,7 @@ Toward = str | npt.ArrayLike
 Metres = Annotated[float, Quantity("_m")]
 Point = tuple[Metres, Metres, Metres]
 FROM_ITS_END = "from its end with the smaller x (of a wall along y, the smaller y)"
-_ALONG = f"Along the wall, {FROM_ITS_END}; of a vault along its longer side in plan; by default its own end."
+_ALONG = f"Along the wall, {FROM_ITS_END}; of a vault along its longer side in plan"
 _TOWARD = "A level vector: where the thrust points, and to which side of the wall the eccentricity counts."
 _MASS = "Weight that the load factor multiplies; by default the dead load."
 _ON_A_LINE = Usual(0, 500, "roofs bring some 5, vaults and several floors up to 100")
@@ -68,7 +68,7 @@ class LineLoad:
     name: Annotated[str, "For messages and tables; by default that of the wall."] = ""
     wall: Annotated[str | None, "The wall that bears it."] = None
     between: Annotated[tuple[Point, Point] | None, Quantity("_m"), "In place of a wall: two points at one height."] = None
-    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), _ALONG] = None
+    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), f"{_ALONG}; by default its own end."] = None
     end: Annotated[Metres | None, Quantity("_m", key="to_m"), "Likewise its other end."] = None
     height: Annotated[Metres | None, "Above z = 0; by default the top of the wall."] = None
     dead: Annotated[float, Quantity("_kN_m", 0.0, usual=_ON_A_LINE), "Downwards."] = 0.0
@@ -148,7 +148,7 @@ class PointLoad:
     name: Annotated[str, "For messages and tables; by default that of the wall."] = ""
     wall: Annotated[str | None, "The wall that bears it."] = None
     at: Annotated[Point | None, Quantity("_m"), "In place of a wall: the point."] = None
-    along: Annotated[Metres | None, _ALONG] = None
+    along: Annotated[Metres | None, f"{_ALONG}; needed with `wall`."] = None
     height: Annotated[Metres | None, "Above z = 0; by default the top of the wall."] = None
     dead: Annotated[float, Quantity("_kN", 0.0, usual=_AT_A_POINT), "Downwards."] = 0.0
     thrust: Annotated[float, Quantity("_kN", usual=_LEVEL_AT_A_POINT), "Level, in the direction `toward`."] = 0.0

@@ -16,6 +16,9 @@ from churchpipe.config.json_schema import case_schema
 from churchpipe.config.overrides import apply_overrides
 from churchpipe.config.reference import reference_page
 from churchpipe.dxf.writer import write_dxf
+from churchpipe.errors import InputError
+from churchpipe.model.carried import LineLoad, PointLoad
+from churchpipe.model.quantities import declared
 from churchpipe.resources import sample_case, sample_names
 from churchpipe.stones.blocks import derive_blocks
 from command_line import call
@@ -96,6 +99,14 @@ def test_keys_of_places_along_a_wall_say_from_where_they_are_measured() -> None:
     for key, meaning in [row for row in rows if not row[1].startswith("x and y of")]:
         words = "not from the end of the wall as `along_m`" if key == "centre_mm" else "end with the smaller x"
         assert words in meaning, f"{key}: {meaning}"
+
+
+def test_the_place_of_a_point_load_has_no_default() -> None:
+    along = {kind: declared(kind)[name].meaning for kind, name in ((LineLoad, "begin"), (PointLoad, "along"))}
+    assert along[LineLoad].endswith("by default its own end.")
+    assert along[PointLoad].endswith("needed with `wall`.")
+    with pytest.raises(InputError, match="no place on the wall"):
+        PointLoad("north", dead=1e3)
 
 
 def test_check_examines_a_case(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
