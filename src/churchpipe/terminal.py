@@ -189,9 +189,15 @@ def results_table(summary: Summary) -> Table:
 
 
 # What columns are, for whoever sees them for the first time.
-_WORDS = ("load factor: load that brings it down, over the weight that is pushed", "bounds apart: proved from below and above")
-_OF_CHECK = ("zeta_E: earthquake that it withstands, over that of the site",)
-_OF_MECHANISM = ("a0*: acceleration that starts it, as one body", "e* of stones: share of its mass that takes part")
+_WORDS = (
+    "load factor: load that brings it down, over the weight that is pushed",
+    "bounds apart: upper less lower bound of the load factor, both proved",
+)
+_OF_CHECK = (
+    "zeta_E: ground acceleration that it withstands, over that of the site",
+    "of stones: the same with e* of stones below, less careful",
+)
+_OF_MECHANISM = ("a0*: acceleration that starts it, as one body", "e* of stones: share of the moving mass that takes part")
 
 
 def _explain(table: Table, rows: int, words: Sequence[str]) -> None:
