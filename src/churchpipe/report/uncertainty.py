@@ -62,7 +62,8 @@ def uncertainty_lines(study: SampleStudy | None, rows: Sequence[Row]) -> list[st
         if one.count:
             spread = f", CoV {row['CoV']}" if row["CoV"] else ""
             words += f", load factor {row['mean']} in the mean{spread}, 90 % of them from {row['5 %']} to {row['95 %']}"
-        lines.append("; ".join([words, *([f"it hangs on {_matters(one)}"] if _matters(one) else []), *_left_out(one)]) + ".")
+        depends = [f"it hangs on {_matters(one)} (rank correlation)"] if _matters(one) else []
+        lines.append("; ".join([words, *depends, *_left_out(one)]) + ".")
         kinds = one.mechanisms[:3] if len(one.mechanisms) > 1 else ()
         lines += [f"  {100 * kind.share:.0f} % fall by: {kind.moves} (mean {figure(kind.mean, 4)})" for kind in kinds]
         lines += [f"  {_asked(*asked)}" for asked in _demands(one)]
