@@ -127,14 +127,14 @@ def _matters(one: SampledAnalysis) -> str:
 
 def _demands(one: SampledAnalysis) -> list[tuple[str, Asked]]:
     """Return the demands on an analysis as words, and the answers."""
-    found = [(f"load factor {figure(asked.demand, 4)}", asked) for asked in one.demands]
+    found = [(f"the load factor {figure(asked.demand, 4)}", asked) for asked in one.demands]
     ground = one.ground_acceleration.demands if one.ground_acceleration else ()
-    return found + [(f"ground acceleration {figure(asked.demand / GRAVITY, 3)} g", asked) for asked in ground]
+    return found + [(f"the ground acceleration {figure(asked.demand / GRAVITY, 3)} g", asked) for asked in ground]
 
 
 def _asked(words: str, answer: Asked) -> str:
     low, high = (f"{100 * value:.1f}" for value in (answer.low, answer.high))
-    return f"{words} is more than it bears with a probability of {100 * answer.probability:.1f} % (90 % band: {low} to {high} %)"
+    return f"with a probability of {100 * answer.probability:.1f} % it bears less than {words} (90 % band: {low} to {high} %)"
 
 
 def _mechanism(kind: Mechanism) -> tuple[str, str, str, str]:
