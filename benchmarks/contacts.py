@@ -91,7 +91,8 @@ def grown(seeds: int, solved: int) -> None:
 
 def times() -> None:
     """Print the time of the church, 5916 stones and the ground, beside that of the joints in one plane alone."""
-    print("\n| church, 5916 stones and the ground | faces | joints | processor s | joints in one plane alone, s |\n|---|---|---|---|---|")
+    print("\n| church, 5916 stones and the ground | faces | joints | processor s | joints in one plane alone, s |")
+    print("|---|---|---|---|---|")
     stones = derive_blocks(read_case(pipeline_folder() / "cases" / "church.toml").building())
     for words, changed in (("exact", stones), ("triangles, noise .1 mm", noisy(stones, 1e-4, FIRST_SEED))):
         find_contacts(stones)

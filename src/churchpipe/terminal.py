@@ -160,7 +160,8 @@ def results_table(summary: Summary) -> Table:
         table.add_column(title)
     checked = any(analysis.check and analysis.check.satisfied is not None for analysis in analyses)
     safety = {"zeta_E": "zeta_e", "of stones": "zeta_e_stones"} if checked else {}
-    for title in ("load factor", "bounds apart", *safety, "s"):
+    ranged = any(map(_interval, analyses))
+    for title in ("load factor", *(["interval"] if ranged else []), "bounds apart", *safety, "s"):
         table.add_column(title, justify="right")
     table.add_column("status")
     if safety:
@@ -175,6 +176,7 @@ def results_table(summary: Summary) -> Table:
             _words(analysis.friction),
             *(_words(analysis.swept.get(key)) for key in swept),
             "no limit" if analysis.status == "unbounded" else _figure(analysis.load_factor),
+            *([_interval(analysis)] if ranged else []),
             _bounds(analysis),
             *(_figure(getattr(check, key), 2) if check else "" for key in safety.values()),
             f"{analysis.seconds:.1f}",
@@ -182,7 +184,7 @@ def results_table(summary: Summary) -> Table:
             *([Text(word := verdict(check), "red" if word == NOT_SATISFIED else "")] if safety else []),
         )
     if analyses:
-        _explain(table, len(analyses), [*_WORDS, *(_OF_CHECK if safety else [])])
+        _explain(table, len(analyses), [*_WORDS, *([_OF_INTERVAL] if ranged else []), *(_OF_CHECK if safety else [])])
     # A case may move supports alone.
     table.show_header = bool(analyses)
     return table
@@ -193,6 +195,7 @@ _WORDS = (
     "load factor: load that brings it down, over the weight that is pushed",
     "bounds apart: upper less lower bound of the load factor, both proved",
 )
+_OF_INTERVAL = "interval: without dilatancy, the load factors that fit the same mechanism"
 _OF_CHECK = (
     "zeta_E: ground acceleration that it withstands, over that of the site",
     "of stones: the same with e* of stones below, less careful",
@@ -359,6 +362,11 @@ def _bounds(analysis: Analysis) -> str:
     if lower is None or upper is None or not math.isfinite(upper - lower):
         return ""
     return f"{abs(upper - lower):.1e}"
+
+
+def _interval(analysis: Analysis) -> str:
+    low, high = analysis.interval or (math.nan, math.nan)
+    return f"{_figure(low, 4)} to {_figure(high, 4)}" if math.isfinite(high - low) else ""
 
 
 def _figure(value: float | None, digits: int = 6) -> str:

@@ -1,6 +1,7 @@
 """report.html: what it says, that it says it offline, and that the viewer gets the right arrays."""
 
 import base64
+import io
 import json
 import re
 import sys
@@ -14,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from rich.console import Console
 
 import churchpipe as cp
 from churchpipe import generators
@@ -36,6 +38,7 @@ from churchpipe.report.table import COLUMNS, Row, amount, figure, small
 from churchpipe.report.title_block import material_rows, title_block
 from churchpipe.report.viewer import joint_values
 from churchpipe.stones.contacts import find_contacts
+from churchpipe.terminal import results_table
 from imprecise import corner
 from records import EMPTY, analysis, summary
 from report_pages import INF, NAN, VERSIONS, Page, record_of, report, rocking, state_of, tower
@@ -294,6 +297,19 @@ def test_a_curve_says_what_it_leaves_out() -> None:
     cells = {column.title: column.text(Row(told)) for column in COLUMNS}
     assert cells["Cohesion, kPa"] == "left out"
     assert {column.title: column.text(Row(replace(told, method=None))) for column in COLUMNS}["Cohesion, kPa"] == "50"
+
+
+def test_the_interval_stands_beside_a_load_factor_without_dilatancy() -> None:
+    """In the table of the report and in that of the terminal, as far as it is known."""
+    out = io.StringIO()
+    known = analysis(flow="non-associative", load_factor=0.2, interval=(0.19, 0.21))
+    for record, words in ((known, "0.1900 to 0.2100"), (replace(known, interval=None), "")):
+        assert {column.title: column.text(Row(record)) for column in COLUMNS}["Interval"] == words
+        table = results_table(replace(summary(), analyses=(record,)))
+        headers = [str(column.header) for column in table.columns]
+        assert ("interval" in headers) == bool(words)
+        Console(file=out, width=200).print(table)
+    assert "0.200000  0.1900 to 0.2100" in out.getvalue()
 
 
 def test_non_associative_result_is_explained(page: Page) -> None:
