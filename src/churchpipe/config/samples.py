@@ -76,7 +76,7 @@ def _checksum(path: Path, case: Case) -> dict[str, str]:
     return {"drawing": digest_of(file)}
 
 
-# What of the building as it is a sample can use, and the settings that it hangs on, in the folder of a geometry or a mesh.
+# What of the building as it is a sample can use, and the settings that it depends on, in the folder of a geometry or a mesh.
 _STONES = ("assemblage.npz", "contacts.npz")
 _FITTED = ("building.json", "fitted.npz", "fit.json")
 _MESH = ("shell.npz", "match.json")

@@ -35,7 +35,7 @@ def uncertainty_section(study: SampleStudy | None, rows: Sequence[Row]) -> dict[
         "seed": study.seed,
         "parameters": [(", ".join(map(heading, table["key"])), _distribution(table)) for table in study.parameters],
         "refused": study.refused,
-        "headings": ["Analysis", *_HEADINGS, "It hangs on", ""],
+        "headings": ["Analysis", *_HEADINGS, "depends on", ""],
         "rows": [[label[one.name], *_row(one), _matters(one), "; ".join(_left_out(one))] for one in study.analyses],
         "demands": [(label[one.name], _asked(*asked)) for one in analyses for asked in _demands(one)],
         "shown": [
@@ -62,7 +62,7 @@ def uncertainty_lines(study: SampleStudy | None, rows: Sequence[Row]) -> list[st
         if one.count:
             spread = f", CoV {row['CoV']}" if row["CoV"] else ""
             words += f", load factor {row['mean']} in the mean{spread}, 90 % of them from {row['5 %']} to {row['95 %']}"
-        depends = [f"it hangs on {_matters(one)} (rank correlation)"] if _matters(one) else []
+        depends = [f"it depends on {_matters(one)} (rank correlation)"] if _matters(one) else []
         lines.append("; ".join([words, *depends, *_left_out(one)]) + ".")
         kinds = one.mechanisms[:3] if len(one.mechanisms) > 1 else ()
         lines += [f"  {100 * kind.share:.0f} % fall by: {kind.moves} (mean {figure(kind.mean, 4)})" for kind in kinds]

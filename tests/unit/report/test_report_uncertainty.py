@@ -84,7 +84,7 @@ def test_load_factors_that_differ_by_rounding_alone_are_one_column(study: tuple[
 def test_the_terminal_says_it_in_sentences(study: tuple[SampleStudy, list[Row]]) -> None:
     text = "\n".join(uncertainty_lines(*study))
     assert "39 samples, load factor 0.5974 in the mean" in text
-    assert "it hangs on friction +1.00" in text
+    assert "it depends on friction +1.00" in text
     assert "74 % fall by: apse, nave" in text
     assert ": 0 samples; 39 without a result (not-converged); 1 without a result (refused)." in text
     assert "1 of 40 samples could not be built; the first: a door beyond its wall" in text
