@@ -47,7 +47,7 @@ from churchpipe.report.safety import CUT_OFF, check_table, fails, overall, part_
 from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
-from churchpipe.report.table import Row, amount, columns_for, figure, friction_text, rows_of, swept
+from churchpipe.report.table import Row, amount, columns_for, figure, friction_text, interval_text, rows_of, swept
 from churchpipe.report.title_block import MATERIAL_HEADINGS, material_rows, title_block
 from churchpipe.report.uncertainty import uncertainty_section
 from churchpipe.report.variants import link_to, variants_section
@@ -215,6 +215,7 @@ def _card(row: Row, both_models: bool) -> dict[str, str]:
     return {
         "label": model + row.label,
         "value": figure(row.value("load_factor"), 4),
+        "interval": interval_text(row),
         "status": row.status,
         "moves": what_moves(row.record),
         "safety": safety_index(row),

@@ -1,5 +1,6 @@
 """Templates of pages, whatever stands in them escaped, with the macros of tables and plots at hand."""
 
+import re
 from functools import cache
 from pathlib import Path
 
@@ -8,6 +9,7 @@ from markupsafe import Markup, escape
 
 # Letters of a name that fits beside its heading on a phone.
 _LONG = 16
+_HEADED = re.compile(r'<section id="([\w-]+)">\s*<h2>(.*?)</h2>', re.DOTALL)
 
 
 def template(name: str) -> jinja2.Template:
@@ -28,6 +30,11 @@ def capital(text: str) -> str:
     return text if "." in first or "_" in first else text[:1].upper() + text[1:]
 
 
+def headings(page: Markup) -> list[tuple[str, Markup]]:
+    """Return the name and the heading of each section of a page, in the order of the page."""
+    return [(name, Markup(title)) for name, title in _HEADED.findall(page)]
+
+
 @cache
 def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(
@@ -37,7 +44,7 @@ def _environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"breakable": breakable, "capital": capital}
+    environment.filters |= {"breakable": breakable, "capital": capital, "headings": headings}
     macros = vars(environment.get_template("table.html").module)
     environment.globals.update({name: macros[name] for name in ("table", "long_table", "diagram")})
     return environment

@@ -299,8 +299,16 @@ def test_a_curve_says_what_it_leaves_out() -> None:
     assert {column.title: column.text(Row(replace(told, method=None))) for column in COLUMNS}["Cohesion, kPa"] == "50"
 
 
-def test_the_interval_stands_beside_a_load_factor_without_dilatancy() -> None:
-    """In the table of the report and in that of the terminal, as far as it is known."""
+def test_the_contents_lead_to_every_section(page_text: str) -> None:
+    contents = page_text[page_text.index("<nav") : page_text.index("</nav>")]
+    links = re.findall(r'<a href="#([\w-]+)">(.+?)</a>', contents)
+    assert len(links) > 3
+    headed = [part.split('"', 1) for part in page_text.split('<section id="')[1:]]
+    assert links == [(name, re.findall("<h2>(.+?)</h2>", rest)[0]) for name, rest in headed]
+
+
+def test_the_interval_stands_beside_a_load_factor_without_dilatancy(tmp_path: Path) -> None:
+    """On its card and in the table of the report, and in that of the terminal, as far as it is known."""
     out = io.StringIO()
     known = analysis(flow="non-associative", load_factor=0.2, interval=(0.19, 0.21))
     for record, words in ((known, "0.1900 to 0.2100"), (replace(known, interval=None), "")):
@@ -309,6 +317,8 @@ def test_the_interval_stands_beside_a_load_factor_without_dilatancy() -> None:
         headers = [str(column.header) for column in table.columns]
         assert ("interval" in headers) == bool(words)
         Console(file=out, width=200).print(table)
+        shown = Page(report(tmp_path, [], [record])).text
+        assert ("interval: 0.1900 to 0.2100" in shown) == bool(words)
     assert "0.200000  0.1900 to 0.2100" in out.getvalue()
 
 
