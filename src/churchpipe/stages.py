@@ -110,9 +110,6 @@ def panels(settings: Path, assemblage: Path, building: Path, fitted: Path, fit: 
 
     table, stones = read_json(settings), read_npz(assemblage, Assemblage)
     try:
-        if stones.butts.any() or table.get("ring_beams"):
-            what = "butt joints" if stones.butts.any() else "ring beams"
-            raise InputError("drawing", f"the shell of a drawing has no {what}", remedy="Rigid blocks take them as they are.")
         found = fit_panels(stones, joint=Reading(**table["source"]["reading"]).kept_joint)
     except InputError as error:
         write_building(building, Building(table["name"], (), tuple(weights_of(table))))

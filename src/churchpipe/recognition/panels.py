@@ -47,6 +47,7 @@ from churchpipe.recognition.vaults import VAULT, fit_vaults
 from churchpipe.recognition.wall_parts import junction_spans, wall_parts
 from churchpipe.stones.mortar import with_mortar
 from churchpipe.stones.raggedness import raggedness
+from churchpipe.stones.ring_beams import ring_beams
 
 # Arches of a wall, and which of its stones are their voussoirs.
 Ring = tuple[list[BondRegion], IntArray]
@@ -120,10 +121,14 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
 
     Raises
     ------
-    InputError: no wall can be fitted.
+    InputError: no wall can be fitted; stones that butt, or ring beams, which panels do not have.
     """
     check_kind("fit_panels: stones", stones, Assemblage)
     positive("fit_panels: contact_gap", contact_gap, allow_zero=True)
+    for what, found in (("butt joints, as of the stones of", stones.butts), ("ring beams, such as", ring_beams(stones))):
+        if found.any():
+            problem = f"the shell fitted to stones has no {what} {stones.panel[found][0]}"
+            raise InputError("stones", problem, remedy="Use the rigid blocks, which take them as they are.")
     stones = stones if joint is None else with_mortar(stones, joint)
     supports = tuple(support_of(stones, int(block)) for block in np.flatnonzero(stones.fixed))
     vaults = fit_vaults(stones)

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from churchpipe.loading.ties import anchors_of
-from churchpipe.model.arrays import BoolArray, FloatArray
+from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.gains import WEIGHT_MORE
 from churchpipe.model.motion import velocity_at
 from churchpipe.model.placed_loads import Applied
-from churchpipe.model.ring_beam import RING_BEAM
 from churchpipe.report import colours
 from churchpipe.report.table import Row, amount, figure, minus
+from churchpipe.stones.ring_beams import ring_beams
 
 # Length of the longest arrow over the size of the building, and most arrows drawn of a load.
 _ARROW, _ARROWS = 0.08, 25
@@ -39,11 +39,6 @@ def load_rows(applied: Iterable[Applied]) -> list[list[str]]:
             walls = ", ".join(np.unique(loads.wall[mine]).tolist())
             found.setdefault(name, [name, walls, *(amount(value / 1e3, 1) for value in sums)])
     return list(found.values())
-
-
-def ring_beams(stones: Assemblage) -> BoolArray:
-    """Return True (nb,) for ring beams and slabs."""
-    return np.char.startswith(stones.panel, RING_BEAM) & ~stones.coursed
 
 
 def beam_rows(stones: Assemblage) -> list[list[str]]:

@@ -12,11 +12,11 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.report import colours
-from churchpipe.report.applied import ring_beams
 from churchpipe.report.drawn_loads import DrawnLoads, draw_loads
 from churchpipe.report.motion import ground_plate
 from churchpipe.report.plots import svg_of
 from churchpipe.report.table import amount
+from churchpipe.stones.ring_beams import ring_beams
 
 # A plan cuts the walls as high as people do on paper, or through the middle of what is lower.
 CUT_HEIGHT = 1.2

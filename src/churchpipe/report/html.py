@@ -27,7 +27,6 @@ from churchpipe.report.applied import (
     leading_candidates,
     leading_ties,
     load_rows,
-    ring_beams,
     tie_rows,
 )
 from churchpipe.report.block_curves import block_curve_plots
@@ -53,6 +52,7 @@ from churchpipe.report.uncertainty import uncertainty_section
 from churchpipe.report.variants import link_to, variants_section
 from churchpipe.report.vault_sections import vault_sections
 from churchpipe.stones.account import joint_account, joint_lines
+from churchpipe.stones.ring_beams import ring_beams
 
 CARDS = 8
 

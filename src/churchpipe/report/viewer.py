@@ -17,7 +17,6 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
 from churchpipe.model.results import LimitState
 from churchpipe.report import colours
-from churchpipe.report.applied import ring_beams
 from churchpipe.report.motion import (
     PUSH_LENGTH,
     corner_rates,
@@ -30,6 +29,7 @@ from churchpipe.report.motion import (
 )
 from churchpipe.report.packing import base64_text, packed
 from churchpipe.report.surface import edges, triangles
+from churchpipe.stones.ring_beams import ring_beams
 
 SUPPORT = "support"
 STATIC = Path(__file__).parent / "static"

@@ -12,7 +12,7 @@ from churchpipe.geometry.planar import hull, pieces, polygon, rings, united
 from churchpipe.geometry.prism import prism_of
 from churchpipe.geometry.walls import WallLine, wall_line
 from churchpipe.model.arguments import check_kind, listed, positive
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage, Polyhedron, assemble
 from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.materials import UnitWeight
@@ -121,6 +121,11 @@ def add_beams(stones: Assemblage, beams: Iterable[RingBeam], unit_weight: Mappin
                 raise InputError(f"ring beam {name.removeprefix(RING_BEAM)}", "not the only one of its name", remedy=remedy)
             out = _joined(out, solid, unit_weight[material], name, material)
     return out
+
+
+def ring_beams(stones: Assemblage) -> BoolArray:
+    """Return True (nb,) for ring beams and slabs: those that were added, and those of a drawing that names them so."""
+    return np.char.startswith(stones.panel, RING_BEAM) & ~stones.coursed
 
 
 def _stretch(stones: Assemblage, beam: RingBeam, name: str) -> _Stretch:
