@@ -132,7 +132,7 @@ def _table_of(words: str, table: Mapping[str, Any]) -> list[str]:
         if re.search(rf"(^|: )openings?\b.*\s{re.escape(str(opening.get('name')))}\b", words):
             return ["source", "openings", str(number)]
     for number, wall in enumerate(source.get("walls", [])):
-        if "name" in wall and re.match(rf"(walls?|Panel|junction of) {re.escape(str(wall['name']))}(?![\w-])", words):
+        if "name" in wall and re.match(rf"(walls?|junction of) {re.escape(str(wall['name']))}(?![\w-])", words):
             return ["source", "walls", str(number)]
     return ["source", *(part for part in re.findall(r"\w+", words.partition(": opening")[0]) if part in source)][:2]
 

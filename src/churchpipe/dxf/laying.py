@@ -73,12 +73,13 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
 
 
 def _refused(error: InputError, place: dict[str, Place]) -> Finding:
-    where = error.where.removeprefix("Panel ")
     # Of a junction the place is that of its first wall; a wall may be named as part of another one is, and the whole name counts.
-    named = [found for name in place if (found := re.search(rf"(?<![\w-]){re.escape(name)}(?![\w-])", where))]
+    # The word before the name is none: a drawing without layers has a wall that is called so.
+    words = error.where.removeprefix("wall ")
+    named = [found for name in place if (found := re.search(rf"(?<![\w-]){re.escape(name)}(?![\w-])", words))]
     first = min(named, key=lambda found: (found.start(), -len(found.group())), default=None)
     at = place[first.group()] if first else Place("", "")
-    found = f"no stones can be laid in {where}: {error.problem}" + (f", {error.found}" if error.found else "")
+    found = f"no stones can be laid in {error.where}: {error.problem}" + (f", {error.found}" if error.found else "")
     return at.finding("E28", found, expected=error.expected, remedy=error.remedy)
 
 

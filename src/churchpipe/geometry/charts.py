@@ -51,7 +51,7 @@ def check_upright(name: str, chart: Chart) -> None:
     """Raise InputError unless t is height."""
     if isinstance(chart, PlaneChart) and abs(chart.t_axis[2] - 1) > TOLERANCE:
         raise InputError(
-            f"Panel {name}.chart", "the wall is not upright", found=chart.t_axis.tolist(), expected="t_axis = (0, 0, 1)"
+            f"wall {name}.chart", "the wall is not upright", found=chart.t_axis.tolist(), expected="t_axis = (0, 0, 1)"
         )
 
 

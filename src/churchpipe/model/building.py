@@ -171,7 +171,7 @@ class Panel:
     parts: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
-        where = f"Panel {text('Panel.name', self.name)}"
+        where = f"wall {text('Panel.name', self.name)}"
         _check_chart(f"{where}.chart", self.chart)
         positive(f"{where}.thickness", self.thickness)
         text(f"{where}.material", self.material)
@@ -301,8 +301,8 @@ class Building:
                     f"junction of {' and '.join(junction.walls)}", "no such wall", found=name, expected=", ".join(panels)
                 )
         known = {m.name for m in self.materials}
-        used = [(f"Panel {p.name}", {p.material}) for p in self.panels]
-        used += [(f"Panel {p.name}: {region.name}", {region.material}) for p in self.panels for region in p.regions]
+        used = [(f"wall {p.name}", {p.material}) for p in self.panels]
+        used += [(f"wall {p.name}: {region.name}", {region.material}) for p in self.panels for region in p.regions]
         used += [(f"Vault {vault.name}", {vault.material}) for vault in self.vaults]
         for owner, materials in used + [(f"ring beam {' '.join(beam.walls)}", {beam.material}) for beam in self.ring_beams]:
             for name in materials - known - {""}:

@@ -101,7 +101,7 @@ def _is_inset(panel: Panel) -> bool:
 
 def _chart(panel: Panel) -> PlaneChart:
     if not isinstance(panel.chart, PlaneChart):
-        raise InputError(f"Panel {panel.name}.chart", "curved", expected="a plane wall")
+        raise InputError(f"wall {panel.name}.chart", "curved", expected="a plane wall")
     return panel.chart
 
 

@@ -56,7 +56,7 @@ def _strips(panel: Panel, stretches: Sequence[FloatArray]) -> list[BondRegion]:
     for number, (s0, t0, s1, t1) in enumerate(one.tolist() for one in stretches):
         if s0 > ends[0] + TOLERANCE and s1 < ends[1] - TOLERANCE:
             raise InputError(
-                f"panel {panel.name}",
+                f"wall {panel.name}",
                 "the shell has no butt joint of a wall that goes on behind the other one",
                 found=f"from {s0:g} m to {s1:g} m along it",
                 remedy="Rigid blocks take it as it is.",

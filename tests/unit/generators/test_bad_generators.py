@@ -83,9 +83,9 @@ CALLS: list[tuple[Callable[[], object], str]] = [
     (lambda: generators.church(**CHURCH, nave=None), r"church\.nave: wrong kind; found None; expected Nave, or a mapping"),
     (lambda: generators.church(**CHURCH, nave=NAVE | {"width": np.float32(nan)}), r"church\.nave\.width: out of range"),
     (lambda: generators.church(**CHURCH, nave=NAVE, apses=[None]), r"church\.apses\[0\]: wrong kind"),
-    (lambda: panel(regions=[BondRegion("a", ONE, "running", CELL)] * 2), r"Panel p\.regions: names are not unique; found a, a"),
-    (lambda: panel(openings=[Opening("o", ONE + 5)]), r"Panel p: opening o: lies beside the wall; found \[5\.0, 5\.0\]"),
-    (lambda: panel(parts=[Part("left", ONE - 1)]), r"Panel p: part left: lies beside the wall"),
+    (lambda: panel(regions=[BondRegion("a", ONE, "running", CELL)] * 2), r"wall p\.regions: names are not unique; found a, a"),
+    (lambda: panel(openings=[Opening("o", ONE + 5)]), r"wall p: opening o: lies beside the wall; found \[5\.0, 5\.0\]"),
+    (lambda: panel(parts=[Part("left", ONE - 1)]), r"wall p: part left: lies beside the wall"),
     (lambda: Opening("o", ONE[:2]), r"Opening o\.outline: no polygon; found 2 corners"),
 ]
 
@@ -165,5 +165,5 @@ def test_contacts_of_other_stones_are_refused() -> None:
 def test_openings_know_their_rings() -> None:
     (front,) = (wall for wall in door(shape="circle", voussoirs=8, springing=2.0).panels if wall.name == "front")
     assert [(opening.kind, opening.rings) for opening in front.openings] == [("arched", ("d-ring-1", "d-ring-2"))]
-    with pytest.raises(InputError, match=r"Panel front: opening d\.rings: no such ring; found d-ring-2; expected d-ring-1"):
+    with pytest.raises(InputError, match=r"wall front: opening d\.rings: no such ring; found d-ring-2; expected d-ring-1"):
         replace(front, regions=front.regions[:-1])

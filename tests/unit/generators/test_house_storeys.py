@@ -213,7 +213,7 @@ def test_random_houses_have_the_volume_of_their_walls(joints: str, number: int) 
         ({"storeys": 3.0}, r"wall south: storeys: not a list"),
         (
             {"storeys": [{"above": 3.0, "thickness": 0.45, "material": "tuff"}]},
-            r"Panel south storey 2\.material: unknown material; found tuff",
+            r"wall south storey 2\.material: unknown material; found tuff",
         ),
     ],
 )

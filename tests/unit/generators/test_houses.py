@@ -290,7 +290,7 @@ def test_random_houses_are_sound_and_match(joints: str, number: int) -> None:
         ({"openings": [DOOR | {"lintel_bearing": 0}]}, r"opening door: lintel_bearing: out of range"),
         (
             {"openings": [DOOR | {"lintel_material": "oak"}]},
-            r"Panel south: door-lintel\.material: unknown material; found oak; .* or add the material oak",
+            r"wall south: door-lintel\.material: unknown material; found oak; .* or add the material oak",
         ),
         ({"openings": [DOOR, DOOR | {"centre": 5.0}]}, r"openings\.1\.name: two openings of one name in a wall; found door"),
         ({"openings": [DOOR | {"height": None}]}, r"opening door: height: given or left out wrongly"),
@@ -328,7 +328,7 @@ def test_what_does_not_fit_is_named(given: dict[str, Any], said: str) -> None:
         ("end_m = [9.0, 0.0]", "end_m = [9.0, 1.0]", r"line \d+, wall south: end: neither along x nor along y"),
         ('wall = "south"\ncentre', 'wall = "attic"\ncentre', r"line \d+, house: opening door: no such wall"),
         ("start_m = [5.0, 0.0]", "start_m = [5.0, 0.6]", r"line \d+, wall inner: end: all but meets the wall south"),
-        ("# height_m = 3.0", 'material = "brick"', r"line \d+, Panel inner\.material: unknown material"),
+        ("# height_m = 3.0", 'material = "brick"', r"line \d+, wall inner\.material: unknown material"),
     ],
 )
 def test_a_case_names_the_line_of_the_wall_or_opening(old: str, new: str, said: str, tmp_path: Path) -> None:

@@ -115,7 +115,7 @@ def test_a_church_with_a_transept_has_unlike_walls_too() -> None:
         ),
         ({"walls": [{"wall": "nave_left", "height": 4.1}]}, r"chapel\.walls\.0\.height: not a whole number of courses"),
         ({"walls": [{"wall": "nave_left", "height": 6.0}]}, r"ridge: below the eaves; found 5\.5 m; expected >= 6 m"),
-        ({"walls": [{"wall": "nave_left", "material": "brick"}]}, r"Panel nave_left\.material: unknown material"),
+        ({"walls": [{"wall": "nave_left", "material": "brick"}]}, r"wall nave_left\.material: unknown material"),
         (
             {"junctions": [{"walls": ["facade", "nave_left"], "every": 3}]},
             r"chapel\.junctions\.0\.every: an odd number of courses",

@@ -81,7 +81,7 @@ def test_footprints():
 
 def test_a_leaning_wall_is_an_error():
     lean = PlaneChart(np.zeros(3), np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.6, 0.8]))
-    with pytest.raises(InputError, match=r"Panel apse\.chart: the wall is not upright"):
+    with pytest.raises(InputError, match=r"wall apse\.chart: the wall is not upright"):
         check_upright("apse", lean)
 
 

@@ -273,6 +273,19 @@ def test_a_ring_that_a_lintel_cuts_is_refused_at_its_wall(tmp_path: Path):
         read(path)
 
 
+def test_the_word_wall_is_not_the_name_of_a_wall_without_a_layer(tmp_path: Path):
+    # The wall on layer 0, which is called "wall", is 8 m away; the ring of the other is cut.
+    path = drawing(tmp_path, ("0", (8.0, 0.0, 12.0, 2.5)), WALL, ("LINTEL", (1.7, 2.0, 3.3, 2.25)))
+    document = ezdxf.readfile(path)
+    turn = np.linspace(0, np.pi, 17)
+    arc = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    ring = np.concatenate([(2.5, 1.5) + 0.8 * arc, (2.5, 1.5) + 0.5 * arc[::-1]])
+    document.modelspace().add_lwpolyline(ring.tolist(), close=True, dxfattribs={"layer": "RING"})
+    document.saveas(path)
+    with pytest.raises(InputError, match=r"at \(0\.00, 0\.00, 0\.00\) m: no stones can be laid in wall WALL, RING-ring"):
+        read(path)
+
+
 def test_two_lintels_in_one_place_are_refused(tmp_path: Path):
     lintels = [("LINTEL", (1.7, 2.0, 3.3, 2.25)), ("LINTEL", (1.6, 2.1, 3.2, 2.4))]
     with pytest.raises(InputError, match="lies in another lintel"):

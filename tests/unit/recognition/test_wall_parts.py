@@ -67,8 +67,8 @@ def test_plinth_and_cornice_of_one_course_are_both_parts(tmp_path):
 
 def test_why_there_is_no_shell_says_where(tmp_path, monkeypatch):
     def refuse(*_args, **_kwargs):
-        raise InputError("Panel WALL: opening door", "lies beside the wall", found="8 to 9 m", expected="within 0 to 6 m")
+        raise InputError("wall WALL: opening door", "lies beside the wall", found="8 to 9 m", expected="within 0 to 6 m")
 
     monkeypatch.setattr("churchpipe.config.shell_table.fit_panels", refuse)
     note = shell_table(drawn(tmp_path), {"default": False}).note
-    assert note.startswith("No shell: Panel WALL: opening door: lies beside the wall; the rigid blocks stand alone.")
+    assert note.startswith("No shell: wall WALL: opening door: lies beside the wall; the rigid blocks stand alone.")
