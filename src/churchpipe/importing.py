@@ -268,7 +268,7 @@ def parse_length(option: str, text: str | None) -> float | None:
     """Return a length written with its unit, such as "0.12m" or "10 mm", in m; None for none."""
     if text is None:
         return None
-    word = re.fullmatch(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*([a-z]+)\s*", text)
+    word = re.fullmatch(r"\s*([0-9.]+(?:[eE][+-]?[0-9]+)?)\s*([a-z]+(?:-[a-z]+)?)\s*", text)
     try:
         value = float(word[1]) * metres(word[2]) if word else 0.0
     except ValueError:

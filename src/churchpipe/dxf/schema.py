@@ -50,8 +50,28 @@ UNITS: Final = {
     "in": (1, 0.0254),
     "ft": (2, 0.3048),
     "yd": (10, 0.9144),
+    "mi": (3, 1609.344),
+    "mil": (9, 25.4e-6),
+    "um": (13, 1e-6),
+    "dam": (15, 10.0),
+    "hm": (16, 100.0),
+    # Of surveys in the United States, where a metre is 39.37 inches.
+    "us-ft": (21, 1200 / 3937),
+    "us-in": (22, 100 / 3937),
+    "us-yd": (23, 3600 / 3937),
+    "us-mi": (24, 5280 * 1200 / 3937),
 }
 UNIT_OF_CODE: Final = {code: name for name, (code, _) in UNITS.items()}
+# $INSUNITS of lengths in which nobody draws a building.
+STRANGE_UNITS: Final = {
+    8: "microinches",
+    11: "angstroms",
+    12: "nanometres",
+    17: "gigametres",
+    18: "astronomical units",
+    19: "light years",
+    20: "parsecs",
+}
 
 # Median cube root of the volume of the stones, or of walls drawn whole, m: outside of this a drawing's unit is not believed.
 # Bricks drawn in millimetres and taken for inches would measure 3 m.
@@ -64,7 +84,7 @@ LARGEST_COORDINATE: Final = 1e12
 CORNER_TOLERANCE: Final = 1e-6
 VOLUME_TOLERANCE: Final = 1e-2
 
-Units = Literal["m", "dm", "cm", "mm", "km", "in", "ft", "yd"]
+Units = Literal["m", "dm", "cm", "mm", "km", "in", "ft", "yd", "mi", "mil", "um", "dam", "hm", "us-ft", "us-in", "us-yd", "us-mi"]
 
 
 def is_position_tag(text: str) -> bool:

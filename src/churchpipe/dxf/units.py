@@ -31,7 +31,9 @@ def find_unit(
             findings.append(Finding("W05", f"the median {drawn} measures {length_text(size * factor)}, read in {units} as asked"))
         return units
     if declared is None:
-        what = "no units ($INSUNITS is 0)" if code == 0 else f"$INSUNITS = {code}, which is no usable length"
+        strange = schema.STRANGE_UNITS.get(code)
+        said = f" ({strange}), in which no building is drawn" if strange else ", which is no length"
+        what = "no units ($INSUNITS is 0)" if code == 0 else f"$INSUNITS = {code}{said}"
         findings.append(Finding("E04", what, "the unit of the drawing", unit_hint(size, drawn)))
         return None
     written = document.header.custom_vars.get(schema.UNITS_PROPERTY)

@@ -12,7 +12,8 @@ from churchpipe.meshes.source import Body, Face, Source, left_out, read_bytes, r
 from churchpipe.model.arrays import FloatArray, IntArray
 
 UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Decimeters": "dm", "Meters": "m", "Kilometers": "km"}
-UNITS |= {"Inches": "in", "Feet": "ft", "Yards": "yd"}
+UNITS |= {"Dekameters": "dam", "Hectometers": "hm", "Microns": "um"}
+UNITS |= {"Inches": "in", "Feet": "ft", "Yards": "yd", "Miles": "mi", "Mils": "mil"}
 DEEPEST = 50
 FIRST_LAYER = "Default"
 # The chunks of a file: a type of 4 bytes, then a length of 4, since version 50 of 8 bytes.

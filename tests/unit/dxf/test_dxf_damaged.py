@@ -120,6 +120,32 @@ def test_base_support_bears_the_lowest_stones_and_fixes_none_of_them(damaged: Pa
     assert len(find_contacts(stones).blocks) == 5
 
 
+# $INSUNITS and metres: the reference of DXF, group 70; of surveys in the United States 1 m is 39.37 inches.
+LENGTHS = {3: 1609.344, 9: 2.54e-5, 13: 1e-6, 14: 0.1, 15: 10, 16: 100}
+LENGTHS |= {21: 12 / 39.37, 22: 1 / 39.37, 23: 36 / 39.37, 24: 63360 / 39.37}
+
+
+@pytest.mark.parametrize(("code", "metre"), LENGTHS.items())
+def test_every_unit_that_is_a_length_is_read(tmp_path: Path, code: int, metre: float) -> None:
+    def brick(document) -> None:
+        corners = np.array([(x, y, z) for z in (0, 0.2) for x, y in ((0, 0), (0.4, 0), (0.4, 0.2), (0, 0.2))]) / metre
+        mesh = document.modelspace().add_mesh()
+        with mesh.edit_data() as data:
+            data.vertices = corners.tolist()
+            data.faces = [(3, 2, 1, 0), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
+
+    drawing = read_drawing(bare(tmp_path / "brick.dxf", brick, code), unit_weight=18e3, support="base")
+    assert not {"E04", "E05"} & set(drawing.findings.codes)
+    np.testing.assert_allclose(drawing.stones.volume[~drawing.stones.fixed], 0.016, rtol=1e-9)
+
+
+def test_a_unit_of_no_building_is_named(tmp_path: Path) -> None:
+    with pytest.raises(FindingsError, match=r"\$INSUNITS = 18 \(astronomical units\), in which no building is drawn"):
+        read_drawing(bare(tmp_path / "far.dxf", lambda _: None, 18))
+    with pytest.raises(FindingsError, match=r"\$INSUNITS = 25, which is no length"):
+        read_drawing(bare(tmp_path / "none.dxf", lambda _: None, 25))
+
+
 def test_units_passed_settle_the_doubt(damaged: Path) -> None:
     # Drawn in metres, flagged as inches: the stones are 0.4 x 0.2 x 0.2 m.
     drawing = read_drawing(damaged / "wrong_units.dxf", units="m")
