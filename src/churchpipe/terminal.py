@@ -157,15 +157,15 @@ def results_table(summary: Summary) -> Table:
         "friction",
         *swept,
     ):
-        table.add_column(title)
+        table.add_column(title, overflow="fold")
     checked = any(analysis.check and analysis.check.satisfied is not None for analysis in analyses)
     safety = {"zeta_E": "zeta_e", "of stones": "zeta_e_stones"} if checked else {}
     ranged = any(map(_interval, analyses))
     for title in ("load factor", *(["interval"] if ranged else []), "bounds apart", *safety, "s"):
-        table.add_column(title, justify="right")
-    table.add_column("status")
+        table.add_column(title, justify="right", overflow="fold")
+    table.add_column("status", overflow="fold")
     if safety:
-        table.add_column("check")
+        table.add_column("check", overflow="fold")
     for analysis in analyses[:MOST_ROWS]:
         check = analysis.check if analysis.check and analysis.check.satisfied is not None else None
         table.add_row(
@@ -219,11 +219,11 @@ def mechanism_table(summary: Summary) -> Table | None:
     if not listed:
         return None
     table = Table(title="Mechanisms", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    table.add_column("analysis")
+    table.add_column("analysis", overflow="fold")
     if named := any(one.parts for one in listed):
-        table.add_column("what moves: share of the motion")
+        table.add_column("what moves: share of the motion", overflow="fold")
     for title in ("moving, kN", "a0*, m/s2", "e* of stones"):
-        table.add_column(title, justify="right")
+        table.add_column(title, justify="right", overflow="fold")
     _explain(table, len(listed), _OF_MECHANISM)
     for one in listed[:MOST_ROWS]:
         check = _activated(one)
@@ -246,7 +246,7 @@ def runs_table(folder: Path) -> Table | None:
         return None
     table = Table(title=f"Runs in {folder}", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     for title in ("run", "when", "analyses", "load factors", "end"):
-        table.add_column(title)
+        table.add_column(title, overflow="fold")
     for run in sorted(runs, key=lambda run: -(run / "plan.json").stat().st_mtime):
         table.add_row(run.name, *_run_words(run))
     return table
@@ -350,7 +350,7 @@ def findings_table(findings: Sequence[Finding]) -> Table:
     """Return what `doctor` found as a table."""
     table = Table()
     for title in ("", "what", "for", "seen"):
-        table.add_column(title)
+        table.add_column(title, overflow="fold")
     for finding in findings:
         mark = Text("ok", "green") if finding.passed else Text("missing", "red")
         table.add_row(mark, finding.name, finding.purpose, finding.detail)

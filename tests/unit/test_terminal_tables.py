@@ -1,0 +1,47 @@
+"""Tables of the terminal: on a narrow one nothing is cut that tells one row from another."""
+
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from churchpipe.mechanism import Part
+from churchpipe.terminal import mechanism_table, results_table, runs_table
+from records import analysis, summary
+
+MOVING = (Part("nave_left", 2e4, 1.0, 0.5, 0.75),)
+
+
+def shown(table: object, width: int) -> str:
+    stream = io.StringIO()
+    Console(file=stream, width=width, color_system=None).print(table)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_rows_of_a_sweep_differ_on_a_narrow_terminal(width: int) -> None:
+    records = [
+        replace(
+            analysis(flow="associative"),
+            name=f"+y_associative_friction=0.{digit}_thickness_mm=300_stone_length_mm=500",
+            parts=MOVING,
+            swept={"source.stone_length_mm": 500, "source.thickness_mm": 300 + digit},
+        )
+        for digit in range(3)
+    ]
+    found = replace(summary(), analyses=tuple(records))
+    for table in (mechanism_table(found), results_table(found)):
+        assert "…" not in shown(table, width)
+    lines = shown(mechanism_table(found), width).splitlines()
+    first = "".join(line[1:].split("  ")[0].strip() for line in lines[4:])
+    for record in records:
+        assert record.name in first
+
+
+def test_a_long_name_of_a_run_is_whole(tmp_path: Path) -> None:
+    name = "church_with_" * 8 + "end"
+    (tmp_path / name).mkdir()
+    (tmp_path / name / "plan.json").write_text("{}")
+    assert "…" not in shown(runs_table(tmp_path), 60)
