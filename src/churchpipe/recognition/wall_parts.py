@@ -7,13 +7,17 @@ import numpy as np
 from scipy.optimize import brentq
 
 from churchpipe.geometry.charts import base_level
+from churchpipe.geometry.clusters import components
 from churchpipe.geometry.planar import (
     Polygons,
+    area,
     areas,
     bounds,
     boxes,
     centroids,
     common_areas,
+    contains,
+    overlapping,
     polygon,
     total_extent,
     united,
@@ -24,6 +28,9 @@ from churchpipe.model.building import Part
 from churchpipe.recognition.stone_walls import StoneWall, stretches
 
 TOUCH = 1e-6
+# A border of two parts: the part that ends there and the one that begins (None: neither), the axis across, and, m, the place and
+# how far the parts reach into each other or are apart there.
+_Border = tuple[int | None, int | None, int, tuple[float, float]]
 
 
 def junction_spans(wall: StoneWall, walls: Sequence[StoneWall]) -> list[tuple[float, float]]:
@@ -56,13 +63,15 @@ def _heights(wall: StoneWall) -> tuple[float, float]:
 def wall_parts(
     wall: StoneWall, walls: Sequence[StoneWall], outline: FloatArray, near: float, known: Sequence[str] = ()
 ) -> tuple[Part, ...]:
-    """Return the parts of a wall: for each other name of stones in it the box around these stones, from border to border.
+    """Return the parts of a wall: for each other name of stones in it the box around these stones, from border to border, and a
+    box for each group of them that stones of another name part, smallest boxes first.
 
     The border of two parts is an upright line, or a level one if they are above each other. It lies so that each part has as
     much area beyond it as the other; for a toothed border that is the mean. A part within another, as a band of courses or a
-    bay, has a border on each side where the other goes on. A border is moved to a step of the outline or to the face of a wall
-    that crosses within `near` m. A side that is no border ends with the last stones, a few millimetres below the slope of a
-    gable; where the wall goes on by less than a square of `near`, it goes to the end of the wall. known: names left out.
+    bay, or one that rises out of its middle, has a border on each side where the other goes on. A border is moved to a step of
+    the outline or to the face of a wall that crosses within its teeth and `near` m. A side that is no border ends with the last
+    stones, a few millimetres below the slope of a gable; where the wall goes on by less than a square of `near`, it goes to the
+    end of the wall. known: names left out.
     """
     names = [name for name in dict.fromkeys(wall.tag.tolist()) if name not in (wall.name, *known)]
     if not names:
@@ -73,22 +82,41 @@ def wall_parts(
     ]
     # A wall that stands apart from another of its name has stones of that name alone.
     present = [name for name in (wall.name, *names) if (wall.tag == name).any()]
-    elevations = {name: wall.elevations[wall.tag == name] for name in present}
-    extents = {name: total_extent(polygons) for name, polygons in elevations.items()}
-    free = {name: [True] * 4 for name in elevations}
-    unions = {name: united(polygons) for name, polygons in elevations.items()}
-    for first, second in combinations(elevations, 2):
+    apart = [(name, own) for name in present for own in _apart(wall, name, near)]
+    elevations = [own for _, own in apart]
+    extents = [total_extent(own) for own in elevations]
+    free = [[True] * 4 for _ in elevations]
+    unions = [united(own) for own in elevations]
+    for first, second in combinations(range(len(elevations)), 2):
         if not within(unions[first], unions[second], near):
             continue
-        for ends, begins, axis, line in _borders(elevations, first, second):
-            # A step so far away that a part would lose half of it, as a course on a layer of its own, is not its border.
-            reach = min(near, *(0.5 * np.ptp(total_extent(elevations[name])[axis::2]) for name in (ends, begins) if name))
+        for ends, begins, axis, (line, teeth) in _borders(elevations, first, second):
+            sides = [(part, side) for part, side in ((ends, 2 + axis), (begins, axis)) if part is not None]
+            # A step beyond the teeth is not the border, as where parts meet in a bed; nor is one so far away that a part would
+            # lose half of it.
+            reach = min(near, teeth + TOUCH, *(0.5 * np.ptp(total_extent(elevations[part])[axis::2]) for part, _ in sides))
             mark = marks[axis][np.argmin(np.abs(marks[axis] - line))]
             line = mark if abs(mark - line) < reach else line
-            for name, side in ((ends, 2 + axis), (begins, axis)):
-                if name:
-                    extents[name][side], free[name][side] = line, False
-    return tuple(Part(name, _box(_to_the_end(extents[name], free[name], outline, near))) for name in names)
+            for part, side in sides:
+                extents[part][side], free[part][side] = line, False
+    found = [
+        Part(name, _box(_to_the_end(extents[part], free[part], outline, near)))
+        for part, (name, _) in enumerate(apart)
+        if name != wall.name
+    ]
+    # Of two parts one of which lies within the box of the other, the first one that is listed has the place.
+    return tuple(sorted(found, key=lambda part: area(polygon(part.outline))))
+
+
+def _apart(wall: StoneWall, name: str, near: float) -> list[Polygons]:
+    """Return the stones of one name, those that stand apart from each other by themselves where stones of another name are
+    between them, such as the wings beside a tower."""
+    own = wall.tag == name
+    stones, others = wall.elevations[own], centroids(wall.elevations[~own])
+    if not contains(boxes(total_extent(stones)[None])[0], others).any():
+        return [stones]
+    piece = components(len(stones), overlapping(bounds(stones) + 0.5 * near * np.array([-1, -1, 1, 1])))
+    return [stones[piece == number] for number in range(piece.max() + 1)]
 
 
 def _to_the_end(extent: FloatArray, free: list[bool], outline: FloatArray, near: float) -> FloatArray:
@@ -101,18 +129,21 @@ def _to_the_end(extent: FloatArray, free: list[bool], outline: FloatArray, near:
     return extent
 
 
-def _borders(elevations: Mapping[str, Polygons], first: str, second: str) -> Iterator[tuple[str, str, int, float]]:
+def _borders(elevations: Sequence[Polygons], first: int, second: int) -> Iterator[_Border]:
     """Yield the borders of two parts that meet: the part that ends there, the one that begins, the axis across, and the place.
 
-    A part that lies within another, as a band in a wall or a bay that reaches its top, has a border on each side where the other
-    goes on, and the other neither ends nor begins there: its name is left empty.
+    A part that lies within another, as a band in a wall or a bay that reaches its top, or that rises out of the middle of
+    another, as a tower above a facade, has a border on each side where the other goes on, and the other neither ends nor begins
+    there: it is None.
     """
-    extent = {name: total_extent(elevations[name]) for name in (first, second)}
+    extent = {part: total_extent(elevations[part]).reshape(2, 2) for part in (first, second)}
     for inner, outer in ((first, second), (second, first)):
-        start, stop = extent[inner].reshape(2, 2) - extent[outer].reshape(2, 2)
-        if (start > -TOUCH).all() and (stop < TOUCH).all() and ((start > TOUCH) | (stop < -TOUCH)).any():
+        start, stop = extent[inner] - extent[outer]
+        before, beyond = start > TOUCH, stop < -TOUCH
+        contained = (start > -TOUCH).all() and (stop < TOUCH).all() and (before | beyond).any()
+        if contained or (before & beyond & (_depth(elevations, extent, first, second) > 0)[::-1]).any():
             for across in range(2):
-                sides = bool(start[across] > TOUCH), bool(stop[across] < -TOUCH)
+                sides = bool(before[across]), bool(beyond[across])
                 yield from _around(elevations[inner], elevations[outer], inner, across, sides)
             return
     apart = _middle(elevations[second]) - _middle(elevations[first])
@@ -121,9 +152,14 @@ def _borders(elevations: Mapping[str, Polygons], first: str, second: str) -> Ite
     yield low, high, axis, _border(elevations[low], elevations[high], axis)
 
 
-def _around(
-    inner: Polygons, outer: Polygons, name: str, axis: int, sides: tuple[bool, bool]
-) -> Iterator[tuple[str, str, int, float]]:
+def _depth(elevations: Sequence[Polygons], extent: Mapping[int, FloatArray], first: int, second: int) -> FloatArray:
+    """Return how deep two parts reach into each other along both axes (2,), m, beyond what the teeth of a bond do along s."""
+    overlap = np.minimum(extent[first][1], extent[second][1]) - np.maximum(extent[first][0], extent[second][0])
+    stones = bounds(np.concatenate([elevations[first], elevations[second]]))
+    return overlap - [float((stones[:, 2] - stones[:, 0]).max()) + TOUCH, TOUCH]
+
+
+def _around(inner: Polygons, outer: Polygons, part: int, axis: int, sides: tuple[bool, bool]) -> Iterator[_Border]:
     """Yield the borders at the ends of a part that lies within another: with the stones before it, and with those beyond.
 
     sides: whether the other part goes on before, and beyond.
@@ -135,27 +171,30 @@ def _around(
     beside = level & (np.abs(away[:, axis]) > np.abs(away[:, aside]))
     before, beyond = beside & (away[:, axis] < 0), beside & (away[:, axis] > 0)
     if sides[0] and before.any():
-        yield "", name, axis, _border(outer[before], inner, axis)
+        yield None, part, axis, _border(outer[before], inner, axis)
     if sides[1] and beyond.any():
-        yield name, "", axis, _border(inner, outer[beyond], axis)
+        yield part, None, axis, _border(inner, outer[beyond], axis)
 
 
 def _middle(polygons: Polygons) -> FloatArray:
     return np.average(centroids(polygons), axis=0, weights=areas(polygons))
 
 
-def _border(low: Polygons, high: Polygons, axis: int) -> float:
-    """Return the line beyond which both parts have the same area."""
+def _border(low: Polygons, high: Polygons, axis: int) -> tuple[float, float]:
+    """Return the line beyond which both parts have the same area, and how far they reach into each other, or are apart, there."""
     extent = total_extent(np.concatenate([low, high]))
     stop, start = float(total_extent(low)[2 + axis]), float(total_extent(high)[axis])
     if stop <= start + TOUCH:
-        return 0.5 * (start + stop)
+        return 0.5 * (start + stop), start - stop
+
+    # All others lie on one side of every line between.
+    low, high = low[bounds(low)[:, 2 + axis] > start], high[bounds(high)[:, axis] < stop]
 
     def excess(line: float) -> float:
         over, under = boxes(np.where(np.arange(4) == [[axis], [2 + axis]], line, extent))
         return float(common_areas(low, over).sum() - common_areas(high, under).sum())
 
-    return float(brentq(excess, start, stop, xtol=TOUCH))
+    return float(brentq(excess, start, stop, xtol=TOUCH)), stop - start
 
 
 def _box(extent: FloatArray) -> FloatArray:

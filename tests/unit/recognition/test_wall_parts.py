@@ -8,19 +8,26 @@ import pytest
 
 from churchpipe.config.shell_table import shell_table
 from churchpipe.errors import InputError
+from churchpipe.geometry.planar import common, extent, polygon
+from churchpipe.match import match_models
 from churchpipe.meshes.reader import read_stones
 from churchpipe.recognition.panels import fit_panels
+from churchpipe.shell_mesh.shell import derive_shell
+from churchpipe.stones.contacts import find_contacts
 
 
-def drawn(folder, **layers):
+def drawn(folder, tower=0, **layers):
     """Return the stones of a wall of 6 x 2 m, eight courses of bricks of 1 x .25 m in running bond, drawn as outlines.
 
-    layers: x and z between which the middles of their stones lie; the others are on the layer WALL.
+    tower: courses from x = 2 to 4 above it. layers: x and z between which the middles of their stones lie; the others are on the
+    layer WALL.
     """
     document = ezdxf.new("R2010")
     document.header["$INSUNITS"] = 6
-    for course in range(8):
+    for course in range(8 + tower):
         joints = [0, 1, 2, 3, 4, 5, 6] if course % 2 == 0 else [0, 0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6]
+        if course >= 8:
+            joints = [2, 3, 4] if course % 2 == 0 else [2, 2.5, 3.5, 4]
         low, high = 0.25 * course, 0.25 * course + 0.25
         for left, right in pairwise(joints):
             middle = (left + right) / 2, (low + high) / 2
@@ -63,6 +70,30 @@ def test_plinth_and_cornice_of_one_course_are_both_parts(tmp_path):
     (wall,) = fit_panels(stones).panels
     levels = {part.name: (part.outline[:, 1].min(), part.outline[:, 1].max()) for part in wall.parts}
     assert levels == {"PLINTH": (0, 0.25), "CORNICE": (1.75, 2)}
+
+
+# Courses above the facade, where the middles of the stones of the layer lie, the wall they are in, and the parts.
+TOWERS = {
+    # The facade goes on at both sides of the tower, and below it: a border by equal areas lay at z = 5/3, and was moved to 2.
+    "from the middle": (8, {"TOWER": ((2, 4), (1, 4))}, "WALL", {("TOWER", 2, 1, 4, 4)}),
+    # The stones of its one course in the facade begin at 1.5 and end at 4.5.
+    "by one course": (8, {"TOWER": ((2, 4), (1.75, 4))}, "WALL", {("TOWER", 1.5, 1.75, 4.5, 4)}),
+    # A tower that is the larger part has the name of the wall; the wings are both called as they were drawn.
+    "from the ground": (10, {"TOWER": ((2, 4), (0, 5))}, "TOWER", {("WALL", 0, 0, 2, 2), ("WALL", 4, 0, 6, 2)}),
+}
+
+
+@pytest.mark.parametrize("name", TOWERS)
+def test_a_tower_that_rises_out_of_a_wall_begins_where_its_stones_do(name, tmp_path):
+    courses, layers, main, parts = TOWERS[name]
+    fitted = fit_panels(stones := drawn(tmp_path, courses, **layers))
+    (wall,) = fitted.panels
+    assert wall.name == main
+    # A part may reach beyond the outline of its wall, where nothing is.
+    covered = [(part.name, common(polygon(part.outline), polygon(wall.outline))) for part in wall.parts]
+    assert {(part, *np.round(extent(region), 6).tolist()) for part, region in covered} == parts
+    match = match_models(fitted.stones, find_contacts(stones), derive_shell(fitted.building(), 0.5))
+    assert [figure.name for figure in match.figures if not figure.passed] == []
 
 
 def test_why_there_is_no_shell_says_where(tmp_path, monkeypatch):
