@@ -326,7 +326,8 @@ def _of_vaults(case: "Case") -> Iterator[str]:
 
 
 def _of_fills(case: "Case") -> Iterator[str]:
-    """Yield what to ask where fill lies in other fill, or between walls that nothing presses on."""
+    """Yield what to ask where fill lies in other fill, not on the backing of its vault, or between walls that nothing presses
+    on."""
     for (number, one), (later, other) in combinations(enumerate(case.carries.fills), 2):
         shared = [name for name in one.on if name in other.on]
         if shared and one != other:
@@ -335,6 +336,19 @@ def _of_fills(case: "Case") -> Iterator[str]:
                 f"fills.{number} and fills.{later} both lie on {' and '.join(shared)}, and below z = {level} both count. "
                 "Is it meant? In two layers the lower one has the difference of the unit weights."
             )
+    parts: Sequence[str] = ()
+    if case.carries.fills and hasattr(case.source, "generator"):
+        with suppress(InputError):  # Told, with its line, where the building is made.
+            parts = case.laid().macro_elements
+    covered = {name for fill in case.carries.fills for name in fill.on}
+    # Of a vault alone the backing has no name before it.
+    bare = [part for part in parts if "backing" in part and part not in covered]
+    bare = [part for part in bare if (part.partition("backing")[0].rstrip("_") or "vault") in covered]
+    if bare:
+        yield (
+            f"[[fills]] lie on a vault and not on its backing, {', '.join(bare)}: what is above the backing is left out. "
+            'Is it meant? "on" takes the names of all parts that fill lies on.'
+        )
     given: dict[str, Any] = getattr(case.source, "parameters", {})
     alone = getattr(case.source, "generator", "") in ("vault", "dome") and not {"wall_height", "drum_height"} & given.keys()
     if case.carries.fills and not case.carries.pressures and not alone:

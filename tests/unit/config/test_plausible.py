@@ -506,6 +506,15 @@ def test_fill_that_presses_on_no_wall_beside_it_is_questioned(source: str, carri
     assert bool(said) == asked
 
 
+@pytest.mark.parametrize(("on", "asked"), [('"vault"', True), ('"vault", "backing_left", "backing_right"', False)])
+def test_fill_that_leaves_out_the_backing_of_its_vault_is_questioned(on: str, asked: bool, tmp_path: Path) -> None:
+    path = tmp_path / "v.toml"
+    case = VAULT.format(source="length_m = 1.0\nbacking_m = 0.6").replace('on = ["vault"]', f"on = [{on}]")
+    path.write_text(case)
+    said = [text for text in questions([read_case(path)]) if "backing_left" in text and "is left out" in text]
+    assert bool(said) == asked
+
+
 @pytest.mark.parametrize(
     ("more", "words"),
     [
