@@ -1,4 +1,4 @@
-"""The blocks of a 3DEC data file: `poly ... face` (up to version 5) and `block create polyhedron` (7)."""
+"""The blocks of a 3DEC data file: `poly ... face`, `poly brick` (up to version 5), `block create polyhedron` and `brick` (7)."""
 
 import re
 from collections import Counter
@@ -8,10 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
+from churchpipe.findings import Finding
 from churchpipe.meshes.source import Body, Face, Source, damaged, left_out, number, read_lines
 
 _CREATE = re.compile(r"\s*(block\s+create\s+)?poly(hedron)?\b", re.IGNORECASE)
-_OTHERS = re.compile(r"\s*(block\s+create\s+|poly\s+)(brick|prism|tunnel|tetrahedron|cube)\b", re.IGNORECASE)
+_BRICK = re.compile(r"\s*(block\s+create|poly(hedron)?)\s+brick\b", re.IGNORECASE)
+_OTHERS = re.compile(r"\s*(block\s+create\s+|poly\s+)(prism|tunnel|tetrahedron|cube)\b", re.IGNORECASE)
+# Commands that leave other blocks than those that were made before them, or take them from another file.
+_SHAPING = re.compile(
+    r"\s*(jset|del(ete)?|split|tunnel|excavate|call|program\s+call|rest(ore)?|model\s+restore|import"
+    r"|block\s+(cut|del(ete)?|split|excavate|generate|import|densify))\b",
+    re.IGNORECASE,
+)
 _NEW = re.compile(r"\s*block\s+cr", re.IGNORECASE)
 _FACE = re.compile(r"\bface[\s(]+[-+.\d]", re.IGNORECASE)
 _FIX = re.compile(r"\s*(block\s+)?fix\b", re.IGNORECASE)
@@ -21,6 +29,9 @@ _GROUP = re.compile(r"""\bgroup\s*=?\s*(?:"([^"]*)"|'([^']*)'|([^\s"']+))""", re
 _MATERIAL = re.compile(r"\b(?:material|mat|m)\s*=?\s*(\d+)", re.IGNORECASE)
 _WORDS = re.compile(rf"({_REGION.pattern}|{_GROUP.pattern}|{_MATERIAL.pattern}|\bid\s*=?\s*\d+|\s)*", re.IGNORECASE)
 _SHAPE = "face with the coordinates of three corners or more"
+_SIZES = "x, y and z from the lower to the higher end: six numbers, or two for a cube"
+# Corners 0 to 7 of a brick: x, y and z as the digits of a binary number. Clockwise from outside, as the program has it.
+_SIDES = ((2, 3, 1, 0), (5, 7, 6, 4), (1, 5, 4, 0), (6, 7, 3, 2), (4, 6, 2, 0), (3, 7, 5, 1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,15 +56,18 @@ def read_3dec(path: Path) -> Source:
         region, group = _first(_REGION, line), _first(_GROUP, line)
         if _OTHERS.match(line):
             others["blocks that are no polyhedra"] += 1
-        elif _CREATE.match(line):
-            if (block := _block(line)) is None:
-                source.findings.append(damaged(row, line, _SHAPE))
+        elif _CREATE.match(line) or _BRICK.match(line):
+            brick = _BRICK.match(line) is not None
+            if (block := _brick(line) if brick else _block(line)) is None:
+                source.findings.append(damaged(row, line, _SIZES if brick else _SHAPE))
             else:
                 blocks.append(block)
         elif _NEW.match(line):
             others["blocks that are no polyhedra"] += 1
         elif _FACE.search(line):
             source.findings.append(damaged(row, line, "poly or block create polyhedron before its faces"))
+        elif _SHAPING.match(line):
+            source.findings.append(_shaping(row, line))
         elif _FIX.match(line) and (region or group):
             fixed.add(("region", region) if region else ("group", group))
         elif _JOIN.match(line) and region:
@@ -78,6 +92,34 @@ def _body(name: str, parts: list[_Block], ground: bool) -> Body:
     points = np.array([point for part in parts for point in part.points], dtype=np.float64).reshape(-1, 3)
     material = f"material-{parts[0].material}" if parts[0].material else "default"
     return Body(points, faces, "block", name, material, ground, whole=len(parts) > 1, loose=True)
+
+
+def _shaping(row: int, line: str) -> Finding:
+    """Return the finding of a command that shapes blocks: without it they are not those of the model."""
+    shown = line.strip()
+    shown = shown if len(shown) <= 60 else shown[:57] + "..."
+    remedy = "Write the blocks out as they are after it, as polyhedra or a mesh; delete the line if they are to stay as they are."
+    return Finding("E21", f'a command that shapes blocks, which is not followed, at line {row}: "{shown}"', remedy=remedy)
+
+
+def _brick(line: str) -> _Block | None:
+    """Return the brick of a command, None where its sizes are not numbers in order."""
+    rest = _BRICK.sub("", line, count=1)
+    end = re.search(r"(?<![\d.])[a-zA-Z].*", rest)
+    words, sizes = (end[0], rest[: end.start()]) if end else ("", rest)
+    try:
+        values = [number(word) for word in re.split(r"[\s,()]+", sizes.strip(" \t,()"))]
+    except ValueError:
+        return None
+    values = values * 3 if len(values) == 2 else values
+    if len(values) != 6 or not all(low < high for low, high in zip(values[::2], values[1::2], strict=True)):
+        return None
+    corners = [(x, y, z) for x in values[:2] for y in values[2:4] for z in values[4:]]
+    points = [corners[node] for side in _SIDES for node in side]
+    faces: list[Face] = [tuple(range(first, first + 4))[::-1] for first in range(0, len(points), 4)]
+    if not _WORDS.fullmatch(words):
+        return None
+    return _Block(points, faces, _first(_REGION, words), _first(_GROUP, words), _first(_MATERIAL, words))
 
 
 def _block(line: str) -> _Block | None:
