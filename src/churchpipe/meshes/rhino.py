@@ -2,6 +2,7 @@
 
 import re
 from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,8 @@ MESH_REMEDY = "Shade the view before you save, or turn it into a mesh with the c
 def read_3dm(path: Path) -> Source:
     """Read a 3DM: each mesh, solid and extrusion is a body by its name, its material the name of its layer.
 
-    Of objects on no layer but the one that Rhino begins with, the colour tells more, where it is their own.
+    A body of a block without a name, or the only one of its block, has the name of the instance; one on no layer but the one that
+    Rhino begins with has the layer of the instance. Of other objects on that layer the colour tells more, where it is their own.
     """
     import rhino3dm
 
@@ -82,6 +84,18 @@ def _records(table: bytes, wide: int) -> int | None:
     return None
 
 
+@dataclass(frozen=True, slots=True)
+class _Instance:
+    """The instance of a block that a walk is in: its name and its layer, "" without; sole: whether its block is one object."""
+
+    name: str = ""
+    layer: str = ""
+    sole: bool = False
+
+
+_NONE = _Instance()
+
+
 class _Walk:
     """A walk through the objects of a model, down into block definitions."""
 
@@ -90,18 +104,25 @@ class _Walk:
         self._by_id = {str(item.Attributes.Id): item for item in model.Objects}
         self._layers = {layer.Index: layer for layer in model.Layers}
 
-    def visit(self, items: list[Any], matrix: FloatArray, depth: int) -> None:
+    def visit(self, items: list[Any], matrix: FloatArray, depth: int, within: _Instance = _NONE) -> None:
         for item in items:
             layer = self._layers.get(item.Attributes.LayerIndex)
             kind = type(item.Geometry).__name__
             if not item.Attributes.Visible or (layer is not None and not layer.Visible):
                 self._others["hidden objects"] += 1
             elif kind == "InstanceReference":
-                self._follow(item.Geometry, matrix, depth)
+                self._follow(item, self._layer(layer, within), matrix, depth, within)
             else:
-                self._add(item, kind, layer.Name if layer is not None else "default", matrix)
+                self._add(item, kind, self._layer(layer, within) or "default", matrix, within)
 
-    def _follow(self, reference: Any, matrix: FloatArray, depth: int) -> None:
+    @staticmethod
+    def _layer(layer: Any, within: _Instance) -> str:
+        """Return the name of an object's own layer, or of that of its instance where it lies on none of its own."""
+        own = layer.Name if layer is not None else ""
+        return within.layer if own in ("", FIRST_LAYER) and within.layer else own
+
+    def _follow(self, item: Any, layer: str, matrix: FloatArray, depth: int, within: _Instance) -> None:
+        reference = item.Geometry
         definition = self._model.InstanceDefinitions.FindId(reference.ParentIdefId)
         if definition is None or depth >= DEEPEST:
             found = "an instance of a block that is not defined" if definition is None else "blocks nested too deep"
@@ -109,10 +130,11 @@ class _Walk:
             return
         inner = [self._by_id[str(key)] for key in definition.GetObjectIds() if str(key) in self._by_id]
         move = np.array([[getattr(reference.Xform, f"M{i}{j}") for j in range(4)] for i in range(4)])
-        self.visit(inner, matrix @ move, depth + 1)
+        name = within.name if within.sole and within.name else item.Attributes.Name or within.name
+        self.visit(inner, matrix @ move, depth + 1, _Instance(name, layer, len(inner) == 1))
 
-    def _add(self, item: Any, kind: str, layer: str, matrix: FloatArray) -> None:
-        name = item.Attributes.Name or ""
+    def _add(self, item: Any, kind: str, layer: str, matrix: FloatArray, within: _Instance) -> None:
+        name = within.name if within.sole and within.name else item.Attributes.Name or within.name
         meshes = _meshes(item.Geometry, kind)
         if meshes is None:
             self._others[kind] += 1
