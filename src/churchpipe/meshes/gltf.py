@@ -14,6 +14,9 @@ from churchpipe.model.arrays import FloatArray
 # What trimesh and NumPy raise when a file is nonsense.
 BAD_SCENE = (ValueError, TypeError, AttributeError, LookupError, ArithmeticError, AssertionError, NotImplementedError, OSError)
 MAGIC, JSON_CHUNK = b"glTF", b"JSON"
+# Extensions of looks, which say nothing of where a surface is; and the one that places a mesh many times in one node.
+LOOKS = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_xmp")
+INSTANCING = "EXT_mesh_gpu_instancing"
 
 
 def read_gltf(path: Path) -> Source:
@@ -60,7 +63,7 @@ def _shades(visual: Any, material: Any, count: int) -> FloatArray | None:
 
 
 def _announced(path: Path, data: bytes) -> int:
-    """Return how many primitives the nodes of the file have."""
+    """Return how many primitives the nodes of the file have; a file whose meshes need an extension is refused."""
     try:
         if data.startswith(MAGIC):
             length = int.from_bytes(data[12:16], "little")
@@ -68,8 +71,15 @@ def _announced(path: Path, data: bytes) -> int:
                 raise ValueError("its length is not the one that it announces")
             data = data[20 : 20 + length]
         table = json.loads(data)
+        unread = [name for name in table.get("extensionsRequired", []) if not name.startswith(LOOKS)]
+        unread += [INSTANCING for node in table.get("nodes", []) if INSTANCING in node.get("extensions", {})]
+        if unread:
+            found = f"meshes that are not read without {', '.join(dict.fromkeys(unread))}"
+            raise refused(path, "gltf", "E21", found, remedy="Export without compression, quantization and GPU instances.")
         sizes = [len(mesh["primitives"]) for mesh in table.get("meshes", [])]
         return sum(sizes[node["mesh"]] for node in table.get("nodes", []) if "mesh" in node)
+    except FindingsError:
+        raise
     except (ValueError, TypeError, AttributeError, LookupError, RecursionError) as error:
         raise _damaged(path, str(error)) from error
 

@@ -1,5 +1,6 @@
 """Every format: the stones that were written come back, and their load factor."""
 
+import json
 import zipfile
 from itertools import pairwise
 from pathlib import Path
@@ -246,3 +247,22 @@ def test_a_truncated_file_is_never_a_smaller_wall(write: object, cut: float, tmp
     path.write_bytes(data[: int(cut * len(data))])
     with pytest.raises(FindingsError):
         cp.read_stones(path, support="base")
+
+
+@pytest.mark.parametrize("required", [True, False])
+def test_meshes_that_an_extension_of_gltf_places_are_not_read_as_one(required: bool, tmp_path: Path) -> None:
+    # Blender writes instances so on request: one node, and the places of its stones in a table that is no part of glTF 2.0.
+    path = write_glb(wall(), tmp_path / "wall.glb")
+    data = path.read_bytes()
+    length = int.from_bytes(data[12:16], "little")
+    table = json.loads(data[20 : 20 + length])
+    node = next(node for node in table["nodes"] if "mesh" in node)
+    node["extensions"] = {"EXT_mesh_gpu_instancing": {"attributes": {}}}
+    if required:
+        table["extensionsRequired"] = ["KHR_texture_transform", "EXT_mesh_gpu_instancing"]
+    text = json.dumps(table).encode()
+    text += b" " * (-len(text) % 4)
+    size = (12 + 8 + len(text) + len(data) - 20 - length).to_bytes(4, "little")
+    path.write_bytes(data[:8] + size + len(text).to_bytes(4, "little") + data[16:20] + text + data[20 + length :])
+    with pytest.raises(FindingsError, match=r"E21 .*meshes that are not read without EXT_mesh_gpu_instancing\. Export without"):
+        cp.read_stones(path, unit_weight=18e3)
