@@ -34,6 +34,9 @@ def generate(
         return
     if case.exists():
         raise UsageError(str(case), "exists already", remedy="Choose another name, or delete it first.")
+    # By this suffix check and view tell a case from a drawing, and editors find its schema.
+    if case.suffix.lower() != ".toml":
+        raise UsageError(f"--out {case}", "not the name of a case", expected="a name that ends in .toml")
     from churchpipe.config.json_schema import write_case
     from churchpipe.config.schema import NAME_PATTERN
 

@@ -162,6 +162,13 @@ def test_usage_is_2(arguments: tuple[str, ...], capsys: pytest.CaptureFixture[st
     assert err
 
 
+def test_a_case_that_check_would_take_for_a_drawing_is_not_written(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, _, err = call(capsys, "generate", "wall", "-o", tmp_path / "mine.txt")
+    assert code == 2
+    assert "mine.txt: not the name of a case; expected a name that ends in .toml" in err
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_option_that_would_do_nothing_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     case, mesh = tmp_path / "w.toml", CORPUS / "sound.obj"
     assert call(capsys, "generate", "wall", "-o", case)[0] == 0
