@@ -308,8 +308,15 @@ def safety(
 
     site: None gives the acceleration that activates the mechanism, and nothing to compare it with. crushing: whether the masonry
     crushes in the analysis, so that the confidence factor is that of the knowledge level. loads: what the stones carry, whose
-    masses are bodies of their own, as Q_k are in the circular.
+    masses are bodies of their own, as Q_k are in the circular. A structure that does not stand under its own weight withstands
+    no earthquake: its index is zero.
     """
+    asked = SafetyCheck(a_g=site.ground_acceleration) if site else SafetyCheck()
+    if state.status == "unstable":
+        fallen = replace(asked, message="the structure does not stand under its own weight")
+        return replace(fallen, a_g_slv=0.0, zeta_e=0.0, satisfied=False) if site else fallen
+    if state.status not in GOOD:
+        return replace(asked, message="the analysis has no load factor")
     # Solvers take long to load, and the command line needs this module to tell results.
     from churchpipe.rigid_blocks.equilibrium import lateral_weight
 
@@ -327,7 +334,7 @@ def safety(
             displacement = np.concatenate([displacement, along(load.direction, velocity)])
         found = activation(state.load_factor, weight, pushed, displacement, confidence)
     except InputError as error:
-        return SafetyCheck(message=str(error))
+        return replace(asked, message=str(error).removeprefix("check: "))
     found = replace(found, moving_stones=int(moving.sum()))
     return verified(found, site) if site else found
 

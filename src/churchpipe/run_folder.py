@@ -107,7 +107,11 @@ class RunFolder:
         """Return the macro-elements that move and, of the rigid blocks, the safety check."""
         # A capacity curve of the stones is checked as far as its steps are proved.
         known = ("optimal", "converged", *(["not-converged"] if entry["kind"] == "curve" else []))
-        if status not in known or entry["kind"] == "pushover":
+        # What does not stand, or has no result, has a check that says so, where one is asked for.
+        unknown = status not in known
+        if entry["kind"] == "pushover" or (
+            unknown and (entry["kind"] != "rigid" or "check" not in entry or status == "unbounded")
+        ):
             return {}
         settings = read_json(self.folder(entry) / "settings.json")
         load = load_of(settings)
@@ -125,7 +129,7 @@ class RunFolder:
         stones, state = self.stones(entry["geometry"])[0], self.block_state(entry)
         masses = self.applied(entry, stones).loads
         check = compare.safety(stones, state, load, site, masses, crushing=crushing)
-        return compare.stone_parts(stones, state, load) | {"check": check}
+        return {"check": check} if unknown else compare.stone_parts(stones, state, load) | {"check": check}
 
     def movements(self, geometry: str | None = None) -> list[Shift | Turn]:
         """Return the records of the supports that move, of all geometries or of one, as `record` does for the analyses."""

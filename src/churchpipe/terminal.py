@@ -291,13 +291,14 @@ def remarks(summary: Summary) -> list[str]:
     from churchpipe.report.uncertainty import uncertainty_lines
 
     analyses = summary.analyses
-    checked = any(one.check and one.check.satisfied is not None for one in analyses)
+    # Of a load that has no check the site is known all the same, where the case names one.
+    checked = any(one.check and (one.check.satisfied is not None or math.isfinite(one.check.a_g)) for one in analyses)
     return [
         *uncertainty_lines(summary.uncertainty, [Row(record) for record in analyses]),
         *account_of_joints(summary),
         *gate_lines(summary),
         *_few([_failure(one) for one in analyses if one.status not in GOOD and one.message]),
-        *_few([line for one in analyses if one.status in GOOD and one.method == "curve" for line in _of_curve(one, checked)]),
+        *_few([line for one in analyses if one.status in GOOD for line in _left_out(one, checked)]),
         *(_movement(one) for one in summary.movements),
         *summary.guidance,
         *(
@@ -318,9 +319,9 @@ def _failure(record: Analysis) -> str:
     return f"{_named(record)}: {record.status}, {record.message.rstrip('.')}."
 
 
-def _of_curve(record: Analysis, checked: bool) -> list[str]:
-    """Return what a capacity curve leaves out or where it was left, and why it has no check where the others have."""
-    told = [f"{_named(record)}: {record.message}."] if record.message else []
+def _left_out(record: Analysis, checked: bool) -> list[str]:
+    """Return what a capacity curve leaves out or where it was left, and why an analysis has no check where checks are made."""
+    told = [f"{_named(record)}: {record.message}."] if record.message and record.method == "curve" else []
     refused = record.check.message if checked and record.check else ""
     return told + (
         [f"{_named(record)}: no safety check, {refused.removeprefix('check: ').removeprefix('oscillator: d0: ')}"]

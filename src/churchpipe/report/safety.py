@@ -52,7 +52,7 @@ def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
     if not found:
         return None
     columns = [*ACTIVATION, *(column for column in SITE if any(_cell(check, *column[2:]) for _, check in good))]
-    sited = any(check.satisfied is not None for _, check in good)
+    sited = any(check.satisfied is not None or math.isfinite(check.a_g) for _, check in found)
     return {
         "headings": ["Analysis", *((title, meaning) for title, meaning, _, _ in columns), *(["Verdict"] if sited else [])],
         "rows": [
@@ -99,14 +99,18 @@ def overall(rows: Sequence[Row], questions: Sequence[Hashable]) -> dict[str, Any
     """Return the verdict on all loads of the building as it is, None where the case says nothing of the site: satisfied, words.
 
     questions: what each row asks. Where one has a capacity curve the check by displacements governs, as the rule of the circular;
-    else the lowest zeta_E does.
+    else the lowest zeta_E does. What has no check is named: a verdict on some loads is none on the others.
     """
     asked: dict[Hashable, list[Row]] = {}
+    unmade: dict[Hashable, Row] = {}
     for row, question in zip(rows, questions, strict=True):
         if row.record.check is not None and row.record.check.satisfied is not None:
             asked.setdefault(question, []).append(row)
+        elif not row.of_shell and row.record.status != "unbounded":
+            unmade.setdefault(question, row)
     if not asked:
         return None
+    without = [row.label for question, row in unmade.items() if question not in asked]
     found = [_lowest([row for row in of_one if row.record.method == "curve"] or of_one) for of_one in asked.values()]
     lead, failed = _lowest(found), [row for row in found if fails(row)]
     of_site = figure(lead.record.check.a_g if lead.record.check else None, 3)
@@ -116,11 +120,15 @@ def overall(rows: Sequence[Row], questions: Sequence[Hashable]) -> dict[str, Any
     )
     loads = ", ".join(dict.fromkeys(row.load for row in failed))
     told = f"Under {loads} the building does not bear what the earthquake asks;" if failed else "Of the loads of the case"
+    if fallen := list(dict.fromkeys(row.load for row in failed if row.record.status == "unstable")):
+        told += f" under {', '.join(fallen)} it does not stand even under its own weight;"
     words = f"{told} {words}"
-    if lead.record.flow == "associative":
+    if lead.record.flow == "associative" and lead.record.status != "unstable":
         words += " It is made of an associative load factor, an upper estimate where joints slide."
     if any(row.of_shell for row in rows):
         words += " The check is of the stones; the shell has none."
+    if without:
+        words += f" There is no check of: {'; '.join(without)}."
     return {"satisfied": not failed, "words": words}
 
 
