@@ -8,13 +8,17 @@ import numpy as np
 
 from churchpipe.findings import Finding
 from churchpipe.meshes.source import Body, Face, Source, damaged, face_colours, left_out, number, read_lines
+from churchpipe.wording import counted
 
 _SILENT = {"vt", "vn", "s", "mtllib", "usemap", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"}
 _LEFT_OUT = {"l": "lines", "p": "points", "curv": "curves", "curv2": "curves", "surf": "surfaces", "vp": "surface parameters"}
 
 
 def read_obj(path: Path) -> Source:
-    """Read an OBJ; bodies are its objects (o) or its groups (g), whichever are more; usemtl names materials."""
+    """Read an OBJ; bodies are its objects (o) or its groups (g), whichever are more; usemtl names materials.
+
+    What is in a group, or an object, called ground is ground as well.
+    """
     source = Source([], "obj")
     points: list[tuple[float, float, float]] = []
     colours: list[Sequence[float]] = []
@@ -66,19 +70,28 @@ def read_obj(path: Path) -> Source:
         source.findings.append(Finding("E03", found, remedy="Export it again, or delete these vertices."))
     others["objects without faces"] += len(objects - {label[0] for label in labels})
     others["vertices of no face"] += used - len({node for face in faces for node in face})
-    source.findings += left_out(others)
     by_object = len({label[0] for label in labels}) >= len({label[1] for label in labels})
-    bodies: dict[str, tuple[list[Face], str]] = {}
-    for face, label in zip(faces, labels, strict=True):
-        bodies.setdefault(label[0] if by_object else label[1], ([], label[2]))[0].append(face)
+    bodies: dict[str, tuple[list[Face], str, set[str]]] = {}
+    mixed = 0
+    for face, (name, group, material) in zip(faces, labels, strict=True):
+        key, other = (name, group) if by_object else (group, name)
+        around, stuff, within = bodies.setdefault(key, ([], material, set()))
+        around.append(face)
+        within.add(other)
+        mixed += material != stuff
     corners = np.array(points, dtype=np.float64).reshape(-1, 3)
     entity = "object" if by_object else "group"
     shades = np.array(colours, dtype=np.float64).reshape(-1, 3)
-    for key, (around, stuff) in bodies.items():
+    if mixed:
+        found = f"{counted(mixed, 'face has', 'faces have')} another material than the body, which has that of its first face"
+        source.findings.append(Finding("W18", found, remedy="Give each body one material, and a name of its own."))
+    source.findings += left_out(others)
+    for key, (around, stuff, within) in bodies.items():
         own = face_colours(shades, around) if (shades >= 0).any() else None
         used, inverse = np.unique(np.concatenate(around), return_inverse=True)
         renamed = np.split(inverse, np.cumsum([len(face) for face in around])[:-1])
-        source.bodies.append(Body(corners[used], [tuple(face.tolist()) for face in renamed], entity, key, stuff, colours=own))
+        own_faces: list[Face] = [tuple(face.tolist()) for face in renamed]
+        source.bodies.append(Body(corners[used], own_faces, entity, key, stuff, colours=own, within=tuple(sorted(within))))
     return source
 
 

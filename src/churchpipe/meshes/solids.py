@@ -105,15 +105,15 @@ def to_stones(
 ) -> list[Stone]:
     """Return stones in m, z up, of bodies; findings, in m too, say what was done to them.
 
-    factor: m of one unit of the file. thickness: m, of outlines; None for solids. A body whose name or material begins with
-    ground, support or foundation is fixed.
+    factor: m of one unit of the file. thickness: m, of outlines; None for solids. A body whose name, group or material begins
+    with ground, support or foundation is fixed.
     """
     stones: list[Stone] = []
     flats, ground = 0, []
     for item in bodies:
         body = item.body
         # A body of one of several files has the name of the file before its own.
-        names = (body.name, body.name.rpartition("/")[2], body.material)
+        names = (body.name, body.name.rpartition("/")[2], body.material, *body.within)
         by_name = any(map(_GROUND.match, names))
         fixed = body.fixed or by_name
         ground += [body.name or body.material] if by_name and not body.fixed else []

@@ -26,7 +26,7 @@ class Body:
     entity: what it is in the file ("group", "object"); fixed: the file says that it is ground. whole: one stone, even where its
     faces are several closed parts, which are then united; else each closed part is a stone. loose: the format gives each face
     vertices of its own, so that welding them is no news. colours (nf, 3): red, green and blue of each face, 0 to 255, -1 where
-    its corners differ; None without any.
+    its corners differ; None without any. within: names of what it belongs to, such as the groups of an object.
     """
 
     points: FloatArray
@@ -38,6 +38,7 @@ class Body:
     whole: bool = False
     loose: bool = False
     colours: IntArray | None = None
+    within: tuple[str, ...] = ()
 
     @property
     def place(self) -> Place:

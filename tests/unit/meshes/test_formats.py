@@ -1,6 +1,7 @@
 """Every format: the stones that were written come back, and their load factor."""
 
 import json
+import re
 import zipfile
 from itertools import pairwise
 from pathlib import Path
@@ -266,3 +267,24 @@ def test_meshes_that_an_extension_of_gltf_places_are_not_read_as_one(required: b
     path.write_bytes(data[:8] + size + len(text).to_bytes(4, "little") + data[16:20] + text + data[20 + length :])
     with pytest.raises(FindingsError, match=r"E21 .*meshes that are not read without EXT_mesh_gpu_instancing\. Export without"):
         cp.read_stones(path, unit_weight=18e3)
+
+
+def test_a_group_called_ground_fixes_the_objects_in_it(tmp_path: Path) -> None:
+    # Rhino writes its layers as groups, and a number as the name of each object.
+    lines = write_obj(wall(), tmp_path / "wall.obj").read_text().splitlines()
+    names = iter(range(1000))
+    renamed = [f"g {line[2:]}\no object_{next(names)}" if line.startswith("o ") else line for line in lines]
+    grouped = [line if "ground" in line else re.sub("^g .*", "g wall", line) for line in renamed]
+    (tmp_path / "grouped.obj").write_text("\n".join(grouped) + "\n")
+    plain, _ = cp.read_stones(tmp_path / "wall.obj", unit_weight=18e3)
+    stones, _ = cp.read_stones(tmp_path / "grouped.obj", unit_weight=18e3)
+    assert (stones.count, stones.fixed.sum()) == (plain.count, plain.fixed.sum())
+    assert plain.fixed.any()
+
+
+def test_faces_of_a_second_material_in_a_body_are_told(tmp_path: Path) -> None:
+    path = write_obj(wall(), tmp_path / "wall.obj")
+    head, last, tail = path.read_text().rpartition("\nf ")
+    path.write_text(f"{head}\nusemtl plaster{last}{tail}")
+    _, findings = cp.read_stones(path, unit_weight=18e3)
+    assert "1 face has another material than the body, which has that of its first face" in str(findings)
