@@ -40,6 +40,8 @@ Progress = Callable[[str, float], None]
 # which the last two may not be told apart. Runs from the centre, after two, follow half of the way, or they would go to and fro.
 _AT_REST = 5e-4
 _ROUNDS, _WHOLE_WAY, _SHARE = 12, 2, 0.5
+# Loads smaller than this share of the dead load are none.
+_WEIGHTLESS = 1e-4
 # Where friction that dilates holds at any load factor, and the search without dilatancy ends nowhere.
 WEDGED = (
     "no load factor is known: the load wedges the stones, so that joints that dilate hold it however large it is; without "
@@ -209,10 +211,16 @@ def analysed(
         if ray is not None:
             return unbounded_state(balance, ray, perf_counter() - begin, flow)
         found = sliding_analysis(balance, strength, state, options, solve, progress, names)
-        if found.status == "converged":
+        left = balance.dead + found.load_factor * balance.live
+        # A load along gravity that is taken away below zero, with all weight, leaves stones that nothing moves: no collapse.
+        weightless = found.load_factor < 0 and bool(np.abs(left).max() < _WEIGHTLESS * np.abs(balance.dead).max())
+        if found.status == "converged" and not weightless:
             return found
         # The load factor at which the search gave up, even one below zero, says nothing.
-        return replace(found, load_factor=np.nan, interval=(np.nan, np.nan), message=f"{WEDGED}; {found.message}")
+        ended = f"the search ended at {found.load_factor:.3g}, where no load is left" if weightless else found.message
+        status = "not-converged" if weightless else found.status
+        unknown = replace(found, load_factor=np.nan, interval=(np.nan, np.nan), status=status)
+        return replace(unknown, message=f"{WEDGED}; {ended}")
     if state.status != "optimal":
         return replace(state, flow=flow)
     return sliding_analysis(balance, strength, state, options, solve, progress, names)

@@ -246,3 +246,17 @@ def test_a_house_with_weak_mortar_has_a_load_factor() -> None:
     state = limit_analysis(stones, find_contacts(stones), push, mortar.friction, mortar.cohesion)
     # The value is that of a cone program of the same joints, written apart from this one.
     assert (state.status, state.load_factor) == ("optimal", pytest.approx(0.608609, abs=2e-6))
+
+
+def test_a_vault_that_is_made_heavier_does_not_collapse_where_it_has_no_weight() -> None:
+    # Of a load along gravity the load factor -1 takes all weight away: every motion balances there, and none is a collapse.
+    stones = cp.derive_blocks(generators.vault(span=3.7, thickness=0.45, courses=9, stone_length=1.0, length=1.0))
+    contacts = cp.find_contacts(stones)
+    assert limit_analysis(stones, contacts, LoadCase((0, 0, -1)), friction=0.7).status == "unbounded"
+    state = limit_analysis(stones, contacts, LoadCase((0, 0, -1)), friction=0.7, flow="non-associative")
+    assert state.status == "not-converged"
+    assert np.isnan([state.load_factor, *state.interval]).all()
+    assert state.message.endswith("the search ended at -1, where no load is left")
+    # Lifted, it loses its weight at 1, and flies.
+    lifted = limit_analysis(stones, contacts, LoadCase((0, 0, 1)), friction=0.7, flow="non-associative")
+    assert lifted.load_factor == pytest.approx(1, abs=1e-5)
