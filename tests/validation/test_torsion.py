@@ -146,8 +146,8 @@ def test_tilting_tests(test: str, expected: float) -> None:
 
 
 @pytest.mark.slow("docs/contact_models.md: S5 without dilatancy")
-@pytest.mark.parametrize(("test", "expected"), [("S5", 0.37966), ("S22", 0.18830)])
-def test_tilting_tests_about_the_pressure(test: str, expected: float) -> None:
+@pytest.mark.parametrize(("test", "low", "high"), [("S5", 0.3782, 0.3813), ("S22", 0.1880, 0.1886)])
+def test_tilting_tests_about_the_pressure(test: str, low: float, high: float) -> None:
     stones, contacts = tilting_test(test)
     state = cp.limit_analysis(stones, contacts, TILTING_LOADS[test], MU, contact_model="torsion", flow="non-associative")
     assert state.status == "converged"
@@ -156,7 +156,8 @@ def test_tilting_tests_about_the_pressure(test: str, expected: float) -> None:
     assert state.interval[0] <= state.load_factor <= state.interval[1]
     # S5 has 1.2 % of the load factor, S22 .4 % (docs/contact_models.md).
     assert state.interval[1] - state.interval[0] < 0.015 * state.load_factor
-    assert state.load_factor == pytest.approx(expected, rel=2e-4)
+    # The interval of one processor: frictions that differ by a hundred-millionth lead to .3792 to .3808, and .18822 to .18835.
+    assert low <= state.load_factor <= high
 
 
 def test_bad_arguments() -> None:
