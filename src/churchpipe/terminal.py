@@ -24,6 +24,7 @@ from churchpipe.model.checks import DisplacementCheck, SafetyCheck
 from churchpipe.model.names import AS_IT_IS, GOOD
 from churchpipe.model.quantities import in_unit
 from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
+from churchpipe.report.table import interval_text
 from churchpipe.wording import counted
 
 # Between two lines of progress of one stage, seconds: on a terminal, and where each line stays.
@@ -160,7 +161,7 @@ def results_table(summary: Summary) -> Table:
         table.add_column(title, overflow="fold")
     checked = any(analysis.check and analysis.check.satisfied is not None for analysis in analyses)
     safety = {"zeta_E": "zeta_e", "of stones": "zeta_e_stones"} if checked else {}
-    ranged = any(map(_interval, analyses))
+    ranged = any(map(interval_text, analyses))
     for title in ("load factor", *(["interval"] if ranged else []), "bounds apart", *safety, "s"):
         table.add_column(title, justify="right", overflow="fold")
     table.add_column("status", overflow="fold")
@@ -176,7 +177,7 @@ def results_table(summary: Summary) -> Table:
             _words(analysis.friction),
             *(_words(analysis.swept.get(key)) for key in swept),
             "no limit" if analysis.status == "unbounded" else _figure(analysis.load_factor),
-            *([_interval(analysis)] if ranged else []),
+            *([interval_text(analysis)] if ranged else []),
             _bounds(analysis),
             *(_figure(getattr(check, key), 2) if check else "" for key in safety.values()),
             f"{analysis.seconds:.1f}",
@@ -363,11 +364,6 @@ def _bounds(analysis: Analysis) -> str:
     if lower is None or upper is None or not math.isfinite(upper - lower):
         return ""
     return f"{abs(upper - lower):.1e}"
-
-
-def _interval(analysis: Analysis) -> str:
-    low, high = analysis.interval or (math.nan, math.nan)
-    return f"{_figure(low, 4)} to {_figure(high, 4)}" if math.isfinite(high - low) else ""
 
 
 def _figure(value: float | None, digits: int = 6) -> str:

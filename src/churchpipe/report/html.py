@@ -215,7 +215,7 @@ def _card(row: Row, both_models: bool) -> dict[str, str]:
     return {
         "label": model + row.label,
         "value": figure(row.value("load_factor"), 4),
-        "interval": interval_text(row),
+        "interval": interval_text(row.record),
         "status": row.status,
         "moves": what_moves(row.record),
         "safety": safety_index(row),

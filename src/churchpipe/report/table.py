@@ -198,9 +198,9 @@ def _seconds(row: Row) -> str:
     return "" if value is None else f"{value:.1f}"
 
 
-def interval_text(row: Row) -> str:
+def interval_text(analysis: Analysis) -> str:
     """Return the interval of a load factor without dilatancy, "" where there is none."""
-    low, high = row.record.interval or (math.nan, math.nan)
+    low, high = analysis.interval or (math.nan, math.nan)
     return f"{figure(low, 4)} to {figure(high, 4)}" if math.isfinite(high - low) else ""
 
 
@@ -226,7 +226,9 @@ COLUMNS = (
     Column("Lower bound", "static: forces in equilibrium and within friction", lambda row: figure(row.value("lower_bound"), 7)),
     Column("Upper bound", "kinematic: work of the mechanism", lambda row: figure(row.value("upper_bound"), 7)),
     Column(
-        "Interval", "without dilatancy: load factors that fit the same mechanism; quote it with the load factor", interval_text
+        "Interval",
+        "without dilatancy: load factors that fit the same mechanism; quote it with the load factor",
+        lambda row: interval_text(row.record),
     ),
     Column("Status", "", lambda row: row.status, numeric=False),
     Column("Equilibrium", "largest residual over total weight", lambda row: small(row.value("equilibrium_residual"))),
