@@ -2,6 +2,7 @@
 
     python benchmarks/church_curves.py --processes 2 [--full] [-- LOAD ...]                  # all loads, or those named in order
     python benchmarks/church_curves.py --case chapel --halo 2 --step 0.02 --steps 12 -- -y   # another model, halo, step
+    python benchmarks/church_curves.py --halved -- +x -x +y "tower +x"                       # and what half the step changes
     python benchmarks/church_curves.py --sliding --steps 5 -- +x -y "tower +x"               # from the analysis without dilatancy
 
 Reduced: the stones that move with their halo. --full: all stones. Seconds are processor time of one thread, without the
@@ -44,12 +45,25 @@ def row(options: argparse.Namespace, name: str, made: dict[str, cp.LimitState]) 
     halo = 0 if options.full else options.halo
     curve = cp.block_pushover(stones, contacts, load, FRICTION, step=options.step, steps=options.steps, halo=halo, **made)
     seconds = time.process_time() - begin
+    half = ""
+    if options.halved:
+        shorter = {"step": 0.5 * options.step, "steps": 2 * options.steps, "halo": halo}
+        half = "\n" + apart(curve, cp.block_pushover(stones, contacts, load, FRICTION, **shorter, **made))
     fallen, unproved = sum(len(part.stones) for part in curve.fallen), int((curve.misfit > 0.01).sum())
     text = (
         f"| {name} | {curve.initial:.4f} | {len(curve.load_factor)} | {curve.largest[-1]:.3f} | {curve.load_factor[-1]:.4f}"
         f" | {curve.misfit.max():.1e} | {unproved} | {fallen} | {curve.status} | {seconds:.0f} |"
     )
-    return text, seconds
+    return text + half, seconds
+
+
+def apart(curve: cp.BlockCapacityCurve, other: cp.BlockCapacityCurve) -> str:
+    """Say how far two curves are apart at most, until the first one has gone so far: over its first load factor."""
+    way = np.linspace(0.0, min(curve.displacement[-1], other.displacement[-1]), 400)
+    one, two = (np.interp(way, each.displacement, each.load_factor) for each in (curve, other))
+    share, gone = np.abs(one - two) / curve.load_factor[0], np.interp(way, curve.displacement, curve.largest)
+    until = [*np.arange(0.1, gone[-1], 0.1), gone[-1]]
+    return "half the step: " + ", ".join(f"{100 * share[gone <= end].max():.2g} % until {end:.2f} m" for end in until)
 
 
 def pushed(case_name: str, name: str) -> tuple[cp.Assemblage, cp.Contacts, cp.LoadCase]:
@@ -71,6 +85,7 @@ def main() -> None:
     parser.add_argument("--case", default="church", help="a sample case")
     parser.add_argument("--full", action="store_true", help="follow all stones")
     parser.add_argument("--sliding", action="store_true", help="hand on the analysis without dilatancy as well")
+    parser.add_argument("--halved", action="store_true", help="follow each load with half the step as well, and compare")
     parser.add_argument("--halo", type=int, default=5, help="contacts from a moving stone to those held still")
     parser.add_argument("--steps", type=int, default=30)
     parser.add_argument("--step", type=float, default=0.04, help="m")

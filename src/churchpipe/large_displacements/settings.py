@@ -80,10 +80,10 @@ class PathSettings:
         one of a few stones. expendable: stones that weigh no more than this share of what moved at the start may fall out
         without ending the curve; few: a share of what may fall out, see `Demands.faster`. strongest: what normal forces of so
         many weights in all cannot hold falls. withstood: in a large model a light stone falls that cannot stand this share of
-        the last load factor, even if all others stood fast. let_go: where nothing fits there, joints that open under pressure
-        let go, if they are more than this share of what is missed; foremost: of what falls then stones that are faster than
-        this are taken out. left_behind: stones slower than this share of a support stand still
-        while it moves.
+        the last load factor, even if all others stood fast. let_go: in a large model, where no motion fits its forces, joints
+        let go that open under pressure and make up more than this share of the misfit; foremost: of the stones that then fall
+        those faster than this are taken out first. left_behind: stones slower than this share of a support stand still while
+        it moves.
 
     Contacts found anew:
         depth, deeper: shares of the reach: how deep new neighbours may have sunk into each other, and stones that bore on each

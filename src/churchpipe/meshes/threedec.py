@@ -30,8 +30,8 @@ _MATERIAL = re.compile(r"\b(?:material|mat|m)\s*=?\s*(\d+)", re.IGNORECASE)
 _WORDS = re.compile(rf"({_REGION.pattern}|{_GROUP.pattern}|{_MATERIAL.pattern}|\bid\s*=?\s*\d+|\s)*", re.IGNORECASE)
 _SHAPE = "face with the coordinates of three corners or more"
 _SIZES = "x, y and z from the lower to the higher end: six numbers, or two for a cube"
-# Corners 0 to 7 of a brick: x, y and z as the digits of a binary number. Clockwise from outside, as the program has it.
-_SIDES = ((2, 3, 1, 0), (5, 7, 6, 4), (1, 5, 4, 0), (6, 7, 3, 2), (4, 6, 2, 0), (3, 7, 5, 1))
+# Faces of a brick, counterclockwise from outside; x, y and z of its corners 0 to 7 are the digits of a binary number.
+_SIDES: list[Face] = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,11 +115,9 @@ def _brick(line: str) -> _Block | None:
     if len(values) != 6 or not all(low < high for low, high in zip(values[::2], values[1::2], strict=True)):
         return None
     corners = [(x, y, z) for x in values[:2] for y in values[2:4] for z in values[4:]]
-    points = [corners[node] for side in _SIDES for node in side]
-    faces: list[Face] = [tuple(range(first, first + 4))[::-1] for first in range(0, len(points), 4)]
     if not _WORDS.fullmatch(words):
         return None
-    return _Block(points, faces, _first(_REGION, words), _first(_GROUP, words), _first(_MATERIAL, words))
+    return _Block(corners, _SIDES, _first(_REGION, words), _first(_GROUP, words), _first(_MATERIAL, words))
 
 
 def _block(line: str) -> _Block | None:
