@@ -92,11 +92,13 @@ with open("lock", "w") as lock:
 os.environ["OMP_NUM_THREADS"] = sys.argv[1]
 words = ["stage", "source", "base", "settings.json", "building.json"]
 threading.Thread(target=ask, args=(os.environ[PLACE], words), daemon=True).start()
-children = []
-while not children or b"standby" in open(f"/proc/{{children[0]}}/cmdline", "rb").read() and sys.argv[1] != "1":
+children, command = [], b""
+# While a process takes on another program it has no command line for a moment.
+while not command or b"standby" in command and sys.argv[1] != "1":
     time.sleep(0.05)
     forks = open(f"/proc/{{parent}}/task/{{parent}}/children").read().split()
     children = [number for number in forks if number != str(os.getpid())]
+    command = open(f"/proc/{{children[0]}}/cmdline", "rb").read() if children else b""
 print(*children, flush=True)
 os.kill(parent, signal.SIGKILL)
 os.kill(os.getpid(), signal.SIGKILL)
