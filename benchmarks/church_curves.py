@@ -58,12 +58,16 @@ def row(options: argparse.Namespace, name: str, made: dict[str, cp.LimitState]) 
 
 
 def apart(curve: cp.BlockCapacityCurve, other: cp.BlockCapacityCurve) -> str:
-    """Say how far two curves are apart at most, until the first one has gone so far: over its first load factor."""
+    """Say how far two curves are apart at most, until the first one has gone so far, and on average: over its first load factor.
+
+    And by how much the work differs that they take up, the areas below them.
+    """
     way = np.linspace(0.0, min(curve.displacement[-1], other.displacement[-1]), 400)
     one, two = (np.interp(way, each.displacement, each.load_factor) for each in (curve, other))
     share, gone = np.abs(one - two) / curve.load_factor[0], np.interp(way, curve.displacement, curve.largest)
     until = [*np.arange(0.1, gone[-1], 0.1), gone[-1]]
-    return "half the step: " + ", ".join(f"{100 * share[gone <= end].max():.2g} % until {end:.2f} m" for end in until)
+    most = ", ".join(f"{100 * share[gone <= end].max():.2g} % until {end:.2f} m" for end in until)
+    return f"half the step: {most}; {100 * share.mean():.2g} % on average, work {100 * (two.sum() / one.sum() - 1):+.2g} %"
 
 
 def pushed(case_name: str, name: str) -> tuple[cp.Assemblage, cp.Contacts, cp.LoadCase]:

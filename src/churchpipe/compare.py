@@ -22,7 +22,7 @@ from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.motion import velocity_at
-from churchpipe.model.names import GOOD, LOOSE, OUTER
+from churchpipe.model.names import GOOD, LOOSE, NEARLY, OUTER
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
@@ -131,21 +131,23 @@ def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] |
     """Return a sentence for each question that several analyses answer: which load factor to use, and why they differ.
 
     The careful one leads, as in `careful_first`. A sweep has one sentence for all its questions, besides those of load factors
-    below zero, which are none of the building, and of stones that may come out. vaults: names of the vaults of each geometry;
-    where there are some, a sentence before the others says why the value without dilatancy counts.
+    below zero, which are none of the building, of stones that may come out, and of lower states nearly as exact. vaults: names
+    of the vaults of each geometry; where there are some, a sentence before the others says why the value without dilatancy
+    counts.
     """
     asked = [[record for record in records if record.stands] for records in _asked(analyses).values()]
     # One that is below zero is told of even where it stands alone.
     several = [sorted(own, key=_carefulness) for own in asked if len(own) > 1 or any(_below(record) for record in own)]
     first = _of_vaults(asked, list(dict.fromkeys(name for names in (vaults or {}).values() for name in names)))
     below = [records for records in several if _below(records[0])]
-    first += [_below_zero(records) for records in below] + _loose_stones([record for records in asked for record in records])
+    standing = [record for records in asked for record in records]
+    first += [_below_zero(records) for records in below] + _of_lower_states(standing, LOOSE, "stones")
     several = [records for records in several if records not in below]
     sentences = [_advice(records) for records in several]
-    if len(sentences) <= 3:
-        return first + sentences
-    every = [record for records in several for record in records]
-    return [*first, f"Of the load factors for one load and one strength use the lowest. They differ because {_reasons(every)}."]
+    if len(sentences) > 3:
+        reasons = _reasons([record for records in several for record in records])
+        sentences = [f"Of the load factors for one load and one strength use the lowest. They differ because {reasons}."]
+    return first + sentences + _of_lower_states(standing, NEARLY, "states")
 
 
 def _of_vaults(asked: Sequence[Sequence[Analysis]], names: Sequence[str]) -> list[str]:
@@ -173,12 +175,12 @@ def _advice(records: Sequence[Analysis]) -> str:
     return f"{start}, the careful value, not {', '.join(others)}; they differ because {_reasons(records)}."
 
 
-def _loose_stones(analyses: Sequence[Analysis]) -> list[str]:
-    """Return what analyses without dilatancy say of stones that friction alone holds, as sentences."""
+def _of_lower_states(analyses: Sequence[Analysis], mark: str, found: str) -> list[str]:
+    """Return what analyses without dilatancy say of lower states that do not lead, by a mark, as sentences; found: such what."""
     sliding = (record for record in analyses if record.flow == "non-associative")
-    said = [f"{_load_words(record)}: {part}." for record in sliding for part in record.message.split("; ") if LOOSE in part]
+    said = [f"{_load_words(record)}: {part}." for record in sliding for part in record.message.split("; ") if mark in part]
     more = len(said) - _FEW_LINES
-    rest = [f"{counted(more, 'other analysis', 'other analyses')} found such stones."] if more > 0 else []
+    rest = [f"{counted(more, 'other analysis', 'other analyses')} found such {found}."] if more > 0 else []
     return said[:_FEW_LINES] + rest
 
 

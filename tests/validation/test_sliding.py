@@ -29,7 +29,7 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
 from churchpipe.rigid_blocks.iterations import certified_iteration
 from churchpipe.rigid_blocks.limit import analysed, limit_analysis, point_strength
-from churchpipe.rigid_blocks.selection import leading, led_by
+from churchpipe.rigid_blocks.selection import leading, led_by, nearly, nearly_words
 from churchpipe.rigid_blocks.sliding import SlidingOptions
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
@@ -410,6 +410,20 @@ def test_a_state_that_fits_any_load_does_not_lead(
     first, found = led_by(runs, lambda number: intervals[runs[number].start])
     assert runs[first].start == leads
     assert [runs[number].start for number in found] == looked_at
+
+
+def test_a_lower_state_that_is_nearly_as_exact_is_told() -> None:
+    """The starts of the groin vault with straight joints in its groins, docs/vault_validation.md."""
+    nowhere = (np.nan, np.nan)
+    centre, far = StartRun("centre", 0.2298, False, 3.0e-6, nowhere, ()), StartRun("dead-load", 0.2252, False, 4e-5, nowhere, ())
+    leader = StartRun("associative", 0.2403, True, 9e-7, (0.2402, 0.2411), ())
+    assert nearly([centre, far, leader], leader) == [centre]
+    assert "the state at 0.2298 from the start centre is lower and nearly as exact" in nearly_words(centre)
+    assert "by 1.3e-05 of the load factor, where 1e-05 is wanted" in nearly_words(centre)
+    # Where nothing is certified, ten times the gap of what leads.
+    assert nearly([centre, far, leader], replace(leader, converged=False, gap=9e-6)) == [centre, far]
+    # Rounding alone moves a search by as much.
+    assert nearly([centre], replace(leader, load_factor=0.2315)) == []
 
 
 @pytest.mark.slow

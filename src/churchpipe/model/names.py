@@ -31,3 +31,5 @@ OUTER: dict[str, str] = {
 }
 # What a message says of a state in which a few stones that friction alone holds are not held.
 LOOSE = "out whatever pushes"
+# What a message says of a lower state that does not lead because its gap is larger.
+NEARLY = "is lower and nearly as exact"

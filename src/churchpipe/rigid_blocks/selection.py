@@ -2,11 +2,14 @@
 
 from collections.abc import Callable, Sequence
 
+from churchpipe.model.names import NEARLY
 from churchpipe.model.results import StartRun
-from churchpipe.rigid_blocks.settings import SEARCH_SPREAD
+from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SEARCH_SPREAD
 
 # An interval that begins below this share of the load factor begins at zero.
 _ANY_LOAD = 1e-2
+# A state is nearly as exact whose gap is at most so many times that of the leader, or the one wanted.
+_NEARLY = 10.0
 
 
 def led_by(
@@ -42,3 +45,24 @@ def leading(runs: Sequence[StartRun]) -> int:
     lowest = min(range(len(runs)), key=lambda k: runs[k].load_factor)
     allowed = (1.0 + SEARCH_SPREAD) * runs[lowest].load_factor
     return next((k for k, run in enumerate(runs) if run.start == "centre" and run.load_factor <= allowed), lowest)
+
+
+def nearly(runs: Sequence[StartRun], leader: StartRun) -> list[StartRun]:
+    """Return the runs not certified, but nearly as exact as the leader, that are lower by more than rounding moves a search."""
+    allowed = _NEARLY * max(BIPOTENTIAL_GAP, leader.gap / abs(leader.load_factor))
+    return [
+        run
+        for run in runs
+        if not run.converged
+        and run.gap <= allowed * abs(run.load_factor)
+        and (1.0 + SEARCH_SPREAD) * run.load_factor < leader.load_factor
+    ]
+
+
+def nearly_words(run: StartRun) -> str:
+    """Return what is said of such a run."""
+    missing = run.gap / abs(run.load_factor)
+    return (
+        f"the state at {run.load_factor:.4f} from the start {run.start} {NEARLY}: its forces and its motion miss each other by"
+        f" {missing:.1e} of the load factor, where {BIPOTENTIAL_GAP:.0e} is wanted, so do not count on more"
+    )

@@ -26,7 +26,7 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_ends
 from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, paper_iteration
 from churchpipe.rigid_blocks.loose import any_load_words, held_fast, loose_stones, loose_words
-from churchpipe.rigid_blocks.selection import fits_any_load, led_by
+from churchpipe.rigid_blocks.selection import fits_any_load, led_by, nearly, nearly_words
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SEARCH_SPREAD, CentralSettings, SchemeSettings
 from churchpipe.rigid_blocks.sliding_state import End, nothing_found, sliding_state
 from churchpipe.rigid_blocks.ties import all_forces, with_tensions
@@ -137,6 +137,8 @@ def sliding_analysis(
     known = {end.record.start: replace(end.record, interval=search.known_interval(end)) for end in search.ends}
     lead = lead._replace(record=replace(lead.record, interval=known[lead.record.start].interval))
     known[lead.record.start] = lead.record
+    of_building = [end.record for end in search.ends if not search.loose(end).any()]
+    passed_over += [nearly_words(run) for run in nearly(of_building, lead.record)]
     return sliding_state(balance, strength, associative, lead, list(known.values()), search.found, passed_over, names)
 
 

@@ -35,8 +35,8 @@ def sliding_state(
 ) -> LimitState:
     """Return the result of an analysis that reports this end.
 
-    starts: the ends of all starts; found: all runs; passed_over: why lower ends are not reported. names (nf,): of the free
-    stones.
+    starts: the ends of all starts; found: all runs; passed_over: what is said of lower ends, which are not reported. names
+    (nf,): of the free stones.
     """
     reported, chosen, certified = end
     slack = 1e-3 * max(abs(associative.load_factor), 1e-3)
@@ -77,7 +77,7 @@ def sliding_state(
         starts=tuple(starts),
         message=_cost(found, associative.iterations, passed_over)
         if proven
-        else _why(chosen, certified, overdrawn) + _where(balance, strength, certified, names),
+        else "; ".join((_why(chosen, certified, overdrawn) + _where(balance, strength, certified, names), *passed_over)),
     )
 
 
