@@ -29,8 +29,9 @@ Solver = Literal["auto", "interior-point", "clarabel"]
 Progress = Callable[[str, float], None]
 
 FALLS = (
-    "the dead load alone brings it down: a continuum without cohesion cannot hold a flat soffit, nor a load on the very end of a "
-    "wall; openings need lintels that do not yield, or arches, and a point load needs the middle of a stone below it"
+    "the dead load alone brings it down: a continuum without cohesion cannot hold a flat soffit, a vault too thin for a line of "
+    "thrust or without anything that takes its thrust, nor a load on the very end of a wall; openings need lintels that do not "
+    "yield, or arches, and a point load needs the middle of a stone below it"
 )
 
 
