@@ -25,7 +25,7 @@ from churchpipe.config.project import Project
 from churchpipe.config.published import Published, check_published
 from churchpipe.config.ready import farthest_number
 from churchpipe.config.schema import NAME_PATTERN, check
-from churchpipe.config.section import LETTERS, GatheredError, Section, Table, nearest
+from churchpipe.config.section import LETTERS, UNKNOWN, GatheredError, Section, Table, nearest
 from churchpipe.config.tables import record
 from churchpipe.config.variants import Variant, variant_combinations, variants_of
 from churchpipe.dxf.reading import AS_DRAWN, Reading
@@ -319,7 +319,7 @@ def _check_sample(table: dict[str, Any], path: Path, overrides: Sequence[str], c
                 first = error.problems[0] if isinstance(error, GatheredError) else error
                 remedy = first.remedy or (_ANOTHER if share == 0.5 else _NARROWER)
                 told = first if "[sample]" in first.where else located(first.at(f"{place}.key"), path, overrides)
-                problem = f"its distribution reaches {value:.4g}: {first.problem}"
+                problem = first.problem if first.problem == UNKNOWN else f"its distribution reaches {value:.4g}: {first.problem}"
                 raise InputError(told.where, problem, found=first.found, expected=first.expected, remedy=remedy) from error
 
 

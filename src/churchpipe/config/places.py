@@ -68,8 +68,10 @@ def located(
     except (OSError, ValueError):
         return error
     parts = _table_of(key, table) if in_words else re.sub(r"\[(\d+)\]", r".\1", key).split(".")
-    # A key that is missing is not the one beside it that lacks a unit.
-    written, value = _followed(table, parts[:-1] if error.problem == MISSING else parts)
+    written, value = _followed(table, parts)
+    # A key that is missing is not the one beside it that lacks a unit. One that is there is a table that lacks one of two keys.
+    if error.problem == MISSING and written[-1:] != parts[-1:]:
+        written, value = _followed(table, parts[:-1])
     # A key may hold dots, as those of [sweep] do.
     missing = parts[sum(key.count(".") + 1 for key in written) :]
     own = _of_variant(asked, variant, number, written)

@@ -36,6 +36,7 @@ _WANTED = {
 }
 WRONG = "wrong value"
 MISSING = "missing key"
+UNKNOWN = "unknown key"
 Kind = TypeVar("Kind", bound=Section)
 
 
@@ -100,7 +101,7 @@ def _translated(item: Any, kind: type[Section], place: str, file: str, spelled: 
     match item["type"]:
         case "extra_forbidden":
             known = [*map(spelled, _section_at(kind, path).model_fields), *(["sweep"] if not place and not path else [])]
-            return InputError(where, "unknown key", expected=f"one of {', '.join(known)}", remedy=nearest(str(last), known))
+            return InputError(where, UNKNOWN, expected=f"one of {', '.join(known)}", remedy=nearest(str(last), known))
         case "missing":
             where = where.removesuffix(str(last)) + spelled(str(last))
             return InputError(where, MISSING, expected=_described(_section_at(kind, path).model_fields[str(last)].annotation))

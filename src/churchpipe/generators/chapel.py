@@ -8,12 +8,12 @@ from churchpipe.errors import InputError
 from churchpipe.generators.arched import Given
 from churchpipe.generators.church import church
 from churchpipe.generators.church_parts import Apse
+from churchpipe.generators.church_plan import LEAST_ROOM
 from churchpipe.generators.fields import as_dataclass, coerce_fields
 from churchpipe.generators.laying import Bonds, Course, FirstCourse, Joints, Junctions, Openings, StoneLength, Walls
 from churchpipe.generators.masonry import DEFAULT_MATERIAL
 from churchpipe.generators.rooms import RoomVault
 from churchpipe.generators.wall_bonds import OwnWall, own
-from churchpipe.model.arguments import positive
 from churchpipe.model.building import Building
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Length
@@ -41,8 +41,12 @@ class ChapelParameters:
 
     def __post_init__(self) -> None:
         coerce_fields(self, "chapel.")
-        ends = self.thicknesses["facade"] + self.thicknesses["east"]
-        positive("chapel.length, less its walls", self.length - ends)
+        thick = self.thicknesses
+        for key, walls in (("width", ("nave_left", "nave_right")), ("length", ("facade", "east"))):
+            room = getattr(self, key) - sum(thick[wall] for wall in walls)
+            if room < LEAST_ROOM * self.stone_length:
+                found, expected = f"{room:.4g} m clear", f">= {self.stone_length:g} m"
+                raise InputError(f"chapel.{key}", "no room inside", found=found, expected=expected)
 
     @property
     def thicknesses(self) -> dict[str, float]:

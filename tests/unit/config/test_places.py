@@ -271,3 +271,10 @@ def test_what_no_single_parameter_is_to_blame_for_is_said_of_the_source(tmp_path
     case = read_case(case_file(tmp_path, WALL), ["source.height_m=0.6"])
     with pytest.raises(InputError, match=r"case\.toml: line 2 with --set source\.height_m, source: its height is given twice"):
         case.building()
+
+
+def test_a_table_that_lacks_one_of_two_keys_is_named_with_its_line(tmp_path: Path) -> None:
+    text = f"{WALL}[check]\nsoil_factor = 1.2\n"
+    line = text.splitlines().index("[check]") + 1
+    with pytest.raises(InputError, match=rf"case\.toml: line {line}, check: missing key; expected either a_g_m_s2 or ag_g"):
+        read_case(case_file(tmp_path, text))

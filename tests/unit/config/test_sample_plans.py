@@ -34,7 +34,10 @@ def test_a_sample_is_read(tmp_path: Path) -> None:
     [
         (FRICTION.replace("0.05", "0.2"), ["material.default.friction", "its distribution reaches -0.35", "lognormal"]),
         (THICKNESS.replace("low = 200", "low = -10"), ["source.thickness_mm", "reaches -10", "greater than 0"]),
-        (THICKNESS.replace("thickness_mm", "thicknes_mm"), ["source.thicknes_mm", "unknown key", 'Did you mean "thickness_m"?']),
+        (
+            THICKNESS.replace("thickness_mm", "thicknes_mm"),
+            ["source.thicknes_mm: unknown key; expected", 'Did you mean "thickness_m"?'],
+        ),
         (FRICTION.replace("material.default.friction", "name"), ["not to be sampled"]),
         # No sample depends on them.
         (FRICTION.replace("material.default.friction", "sample.demands.0"), ["sample.parameters.0.key", "not to be sampled"]),

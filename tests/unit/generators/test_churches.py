@@ -281,7 +281,8 @@ MISTAKES = [
     (tower, {"openings": [FRONT | {"sill": 2.5}]}, r"opening door: springing: not above the sill"),
     (arch_piers, {"pier_width": 0.5}, r"the arch does not fit on its piers; found 0\.5 m for voussoirs 0\.4 m deep"),
     (arch_piers, {"height": 4.0}, r"opening arch: reaches beyond the top .* expected within 0 to 4 m"),
-    (chapel, {"length": 1.0}, r"chapel\.length, less its walls: out of range"),
+    (chapel, {"length": 1.0}, r"chapel\.length: no room inside; found -0\.2 m clear; expected >= 0\.5 m"),
+    (chapel, {"width": 0.4}, r"chapel\.width: no room inside; found -0\.8 m clear; expected >= 0\.5 m"),
 ]
 
 
