@@ -206,7 +206,7 @@ def gate_words(contacts: Contacts, shell: ShellTable) -> str:
     try:
         mesh = derive_shell(shell.fitted.building(), shell.keys["element_size_mm"] / 1e3)
     except InputError as error:
-        return f"Whether the shell matches the stones was not looked at: {error}"
+        return f"No mesh can be made of them, so that a run leaves the shell out: {error} The rigid blocks stand alone."
     match = match_models(stones, contacts, mesh)
     if match.passed:
         passed = f"The gate passed: shell and stones are one building, in {len(match.figures)} figures."

@@ -111,12 +111,13 @@ def panels(settings: Path, assemblage: Path, building: Path, fitted: Path, fit: 
     table, stones = read_json(settings), read_npz(assemblage, Assemblage)
     try:
         found = fit_panels(stones, joint=Reading(**table["source"]["reading"]).kept_joint)
+        made = found.building(name=table["name"])
     except InputError as error:
         write_building(building, Building(table["name"], (), tuple(weights_of(table))))
         write_npz(fitted, stones)
         write_json(fit, {"unfit": stones.block_id[~stones.fixed].tolist(), "message": str(error), "moved": ""})
         return
-    write_building(building, found.building(name=table["name"]))
+    write_building(building, made)
     write_npz(fitted, found.stones)
     write_json(fit, {"unfit": found.unfit.tolist(), "message": "", "moved": found.moved_words})
 

@@ -14,9 +14,11 @@ from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError
 from churchpipe.generators import wall
 from churchpipe.importing import import_drawing
+from churchpipe.io.building_json import read_building
 from churchpipe.io.npz import read_npz
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.materials import Material
+from churchpipe.recognition.panels import FittedPanels
 from churchpipe.stones.blocks import derive_blocks
 
 BRICK = Material("brick", 18e3, 0.6)
@@ -50,3 +52,17 @@ def test_a_wall_that_is_not_there_is_refused_before_any_solve(imported: Path, tm
     imported.write_text(imported.read_text().replace("[[load]]\n", '[[load]]\npanels = ["north"]\n'))
     with pytest.raises(InputError, match="no such panel; found north; expected wall-1"):
         run(imported, tmp_path)
+
+
+def test_walls_that_are_no_building_leave_the_run_its_stones(
+    imported: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_args: object, **_kwargs: object) -> None:
+        raise InputError("Building w", "names of panels and parts of vaults are not unique")
+
+    run(imported, tmp_path)
+    monkeypatch.setattr(FittedPanels, "building", refused)
+    files = [tmp_path / name for name in ("settings.json", "stones.npz", "building.json", "fitted.npz", "fit.json")]
+    stages.panels(*files)
+    assert json.loads(files[-1].read_text())["message"] == "Building w: names of panels and parts of vaults are not unique."
+    assert read_building(files[2]).panels == ()

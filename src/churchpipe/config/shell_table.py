@@ -5,12 +5,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from churchpipe.errors import InputError
 from churchpipe.geometry.planar import area, polygon
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Panel
 from churchpipe.model.vault import Vault
 from churchpipe.recognition.panels import FittedPanels, fit_panels
+from churchpipe.recognition.stone_walls import cut_stones
 from churchpipe.wording import counted
 
 # Elements of a first mesh: enough to see the mechanism; a limit load takes half a minute, a capacity curve some minutes.
@@ -36,6 +39,7 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool], joint: float | 
     """
     try:
         fitted = fit_panels(stones, joint=joint)
+        fitted.building()
     except InputError as error:
         # Of all stones alike there is no place to name.
         where = "" if error.where == "stones" else f"{error.where}: "
@@ -56,6 +60,9 @@ def shell_table(stones: Assemblage, elastic: Mapping[str, bool], joint: float | 
     if len(fitted.unfit):
         few = ", ".join(fitted.unfit[:8])
         note += f" {counted(len(fitted.unfit), 'stone fits', 'stones fit')} none: {few}{' ...' if len(fitted.unfit) > 8 else ''}."
+        cut = cut_stones(fitted.stones, fitted.panels, np.flatnonzero(np.isin(fitted.stones.block_id, fitted.unfit)))
+        if len(cut):
+            note += f" {len(cut)} of them lie in a round wall with corners off its two circles, as around an arched opening."
     return ShellTable(keys, note, comment, fitted)
 
 

@@ -27,6 +27,8 @@ LEAST_STONES = 3
 LEAST_SHARE = 0.5
 # So many steps of Newton bring a centre that is known to a millimetre to its place.
 _STEPS = 3
+# A chord comes nearer to the centre than its ends by less than this share of the thickness of its wall.
+SAGITTA = 0.25
 # If the distance of two neighbouring joints is this many times the usual one, an opening is between them, not a stone.
 OPEN = 3.0
 
@@ -50,18 +52,22 @@ class _Joints:
     offset: FloatArray
 
 
-def curved_walls(stones: Assemblage, base: float, ragged: Raggedness) -> list[CurvedWall]:
+def curved_walls(stones: Assemblage, base: float, ragged: Raggedness) -> tuple[list[CurvedWall], IntArray]:
     """Return the walls on cylinders among the free stones, by panel name; stones without a name are grouped by their axis.
 
     A wall extends along the arc between the two circles on which the corners of its wedge stones lie. It continues straight
-    along the tangents as far as there are stones of its thickness. base: height of t = 0, m.
-    ragged: how far corners lie off their walls.
+    along the tangents as far as there are stones of its thickness. Where some of its wedge stones are cut, as beside an arched
+    opening, the others tell the circles, and stones within the wall that have corners off them are returned beside the walls:
+    they fit none. base: height of t = 0, m. ragged: how far corners lie off their walls.
     """
     joints = _turning_joints(stones, ragged)
     found: list[CurvedWall] = []
-    used = stones.fixed.copy()
+    used, cut = stones.fixed.copy(), np.zeros(stones.count, dtype=np.bool_)
     for wedges in _wedge_groups(stones, joints, ragged):
         chart, thickness = _cylinder(stones, joints, wedges, base, ragged)
+        whole = chart is not None
+        if chart is None and len(uncut := _uncut(stones, joints, wedges, ragged)) >= LEAST_STONES:
+            chart, thickness = _cylinder(stones, joints, uncut, base, ragged)
         if chart is None:
             continue
         name = str(stones.panel[wedges[0]])
@@ -71,7 +77,9 @@ def curved_walls(stones: Assemblage, base: float, ragged: Raggedness) -> list[Cu
         if len(own) >= LEAST_STONES and (not name or share > LEAST_SHARE):
             used[own] = True
             found.append(CurvedWall(name, own, chart, thickness))
-    return found
+            if not whole:
+                cut[free[within_arc(stones, free, chart, thickness)]] = True
+    return found, np.flatnonzero(cut & ~used)
 
 
 def curved_coordinates(chart: CylinderChart, points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -150,6 +158,23 @@ def _cylinder(
     return CylinderChart(np.array([*centre, base]), 0.5 * (near + far), start, sweep), round(far - near, 9)
 
 
+def _uncut(stones: Assemblage, joints: _Joints, wedges: IntArray, ragged: Raggedness) -> IntArray:
+    """Return those of the wedge stones about one axis that have all corners on the two circles on which most corners lie."""
+    rows = np.isin(joints.stone, wedges)
+    centre = np.linalg.lstsq(joints.normal[rows], joints.offset[rows], rcond=None)[0].astype(np.float64)
+    # The joints tell the centre roughly, and the corners of whole stones tell it better.
+    for tolerance in (max(AXIS_TOLERANCE, AXIS_OFF * ragged.counted), ragged.flat):
+        corner, owner = _corners(stones, wedges)
+        radius = np.linalg.norm(corner[:, :2] - centre, axis=1)
+        near, far, _ = _circles(corner[:, :2], centre)
+        off = np.minimum(np.abs(radius - near), np.abs(radius - far)) > tolerance
+        wedges = wedges[np.bincount(owner, off, minlength=len(wedges)) == 0]
+        if len(wedges) < LEAST_STONES:
+            break
+        centre = _centred(_corners(stones, wedges)[0][:, :2], centre)
+    return wedges
+
+
 def _circles(corner: FloatArray, centre: FloatArray) -> tuple[float, float, float]:
     """Return the radii of the two circles about a centre that corners (n, 2) lie on, and how far they lie off them at most, m."""
     radius = np.linalg.norm(corner - centre, axis=1)
@@ -185,4 +210,14 @@ def _lies_on(stones: Assemblage, blocks: IntArray, chart: CylinderChart, thickne
     points, owner = _corners(stones, blocks)
     distance = curved_coordinates(chart, points)[1]
     off = np.abs(np.abs(distance) - 0.5 * thickness) > flat
+    return np.bincount(owner, off, minlength=len(blocks)) == 0
+
+
+def within_arc(stones: Assemblage, blocks: IntArray, chart: CylinderChart, thickness: float) -> BoolArray:
+    """Return which stones lie between the two faces of the round part of a wall, but for the depth of a chord."""
+    points, owner = _corners(stones, blocks)
+    place, outwards = curved_coordinates(chart, points)
+    half = 0.5 * chart.radius * chart.sweep
+    beyond = np.abs(place[:, 0] - half) > half + AXIS_TOLERANCE
+    off = beyond | (np.abs(outwards) > (0.5 + SAGITTA) * thickness)
     return np.bincount(owner, off, minlength=len(blocks)) == 0

@@ -40,7 +40,7 @@ from churchpipe.recognition.courses import courses_of, unit_cells
 from churchpipe.recognition.rings import voussoir_rings
 from churchpipe.recognition.separate_walls import GRID, closed, filled, separate_walls
 from churchpipe.recognition.squaring import squared
-from churchpipe.recognition.stone_walls import StoneWall, stone_walls
+from churchpipe.recognition.stone_walls import StoneWall, cut_stones, stone_walls
 from churchpipe.recognition.straightening import straightened
 from churchpipe.recognition.supports import support_of
 from churchpipe.recognition.vaults import VAULT, fit_vaults
@@ -139,7 +139,7 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
     planes, unfit = stone_walls(stones, contact_gap, ragged)
     straight, shift = straightened(stones, planes, unfit, ragged)
     if shift.any():
-        planes, unfit = stone_walls(straight, contact_gap)
+        planes, unfit = stone_walls(straight, contact_gap, cut=cut_stones(stones, planes, unfit))
     walls, loose = separate_walls(straight, planes, contact_gap)
     unfit = np.union1d(unfit, loose)
     if not walls:
@@ -273,6 +273,9 @@ def _lintels(elevations: Polygons, openings: Sequence[Region], cell: UnitCell) -
         left, _, right, top = extent(hole)
         over = (np.abs(extents[:, 1] - top) < 0.1 * cell.a) & (extents[:, 0] < left + GRID) & (extents[:, 2] > right - GRID)
         for front in elevations[over & (extents[:, 2] - extents[:, 0] > LINTEL * cell.b)]:
+            # Where the ends of a full circle meet, a stone has a piece at each, and spans nothing.
+            if len(pieces(front)) > 1:
+                continue
             found.append(BondRegion(f"lintel-{len(found) + 1}", corners(np.array([front]))[0], "single", cell, yields=False))
     return found
 

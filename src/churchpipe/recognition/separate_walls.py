@@ -29,7 +29,8 @@ def separate_walls(stones: Assemblage, walls: Sequence[StoneWall], contact_gap: 
     """
     found: list[StoneWall] = []
     loose = [np.empty(0, dtype=np.int64)]
-    taken = {wall.name for wall in walls}
+    # Names of stones joined to a wall of another name are names of its parts.
+    taken = {str(name) for wall in walls for name in (wall.name, *wall.tag)}
     for wall in walls:
         parts = _parts(stones, wall, walls, contact_gap)
         if len(parts) == 1:

@@ -11,8 +11,8 @@ from churchpipe.geometry.clusters import components
 from churchpipe.geometry.planar import Polygons, area, common, total_extent, united, within
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.building import Chart, PlaneChart
-from churchpipe.recognition.curved_walls import curved_walls, points_of
+from churchpipe.model.building import Chart, CylinderChart, Panel, PlaneChart
+from churchpipe.recognition.curved_walls import curved_walls, points_of, within_arc
 from churchpipe.recognition.elevations import elevations
 from churchpipe.recognition.wall_planes import (
     LEAST_LEAF,
@@ -25,6 +25,7 @@ from churchpipe.stones.raggedness import STRAIGHT, TURN, Raggedness
 
 # Walls further from the origin than this, m, are sought beside it: rounded coordinates turn their planes about the origin.
 _FAR = 10.0
+NONE: IntArray = np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,10 +52,13 @@ class Stretch:
     high: float
 
 
-def stone_walls(stones: Assemblage, contact_gap: float, ragged: Raggedness = STRAIGHT) -> tuple[list[StoneWall], IntArray]:
+def stone_walls(
+    stones: Assemblage, contact_gap: float, ragged: Raggedness = STRAIGHT, cut: IntArray = NONE
+) -> tuple[list[StoneWall], IntArray]:
     """Return the walls of an assemblage, and the free stones that fit none.
 
-    contact_gap: how far apart stones of one may be, m. ragged: how far corners lie off their walls.
+    contact_gap: how far apart stones of one may be, m. ragged: how far corners lie off their walls. cut: stones that are known to
+    be cut out of a round wall (see `cut_stones`), and stand in no plane one.
 
     Raises
     ------
@@ -63,11 +67,12 @@ def stone_walls(stones: Assemblage, contact_gap: float, ragged: Raggedness = STR
     far = np.append(np.rint(stones.points[:, :2].mean(axis=0)), 0.0)
     if np.abs(far).max() > _FAR:
         near = replace(stones, points=stones.points - far, centroid=stones.centroid - far)
-        walls, unfit = stone_walls(near, contact_gap, ragged)
+        walls, unfit = stone_walls(near, contact_gap, ragged, cut)
         return [replace(wall, chart=_shifted(wall.chart, far)) for wall in walls], unfit
     base = float(stones.points[np.repeat(~stones.fixed, np.diff(stones.block_point_ptr))][:, 2].min())
-    curved = curved_walls(stones, base, ragged)
+    curved, seen = curved_walls(stones, base, ragged)
     free = ~stones.fixed
+    free[cut] = free[seen] = False
     for wall in curved:
         free[wall.stones] = False
     planes = wall_planes(stones, free, ragged)
@@ -80,6 +85,15 @@ def stone_walls(stones: Assemblage, contact_gap: float, ragged: Raggedness = STR
     walls.sort(key=lambda wall: wall.name)
     fitted = np.concatenate([wall.stones for wall in walls]) if walls else np.empty(0, dtype=np.int64)
     return walls, np.setdiff1d(np.flatnonzero(~stones.fixed), fitted)
+
+
+def cut_stones(stones: Assemblage, walls: Sequence[StoneWall] | Sequence[Panel], unfit: IntArray) -> IntArray:
+    """Return those of the stones that fit no wall which lie within a round one, as the voussoirs of its openings do."""
+    within = np.zeros(len(unfit), dtype=np.bool_)
+    for wall in walls:
+        if isinstance(wall.chart, CylinderChart):
+            within |= within_arc(stones, unfit, wall.chart, wall.thickness)
+    return unfit[within]
 
 
 def _shifted(chart: Chart, by: FloatArray) -> Chart:

@@ -12,6 +12,8 @@ from churchpipe.loading.placing import place_loads
 from churchpipe.match import match_models
 from churchpipe.model.carried import LineLoad
 from churchpipe.recognition.panels import fit_panels
+from churchpipe.recognition.separate_walls import separate_walls
+from churchpipe.recognition.stone_walls import stone_walls
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.contacts import find_contacts
 from solids import box, on_ground, prism
@@ -71,6 +73,16 @@ def test_each_of_three_piers_in_a_row_is_a_wall():
     assert sorted(float(np.ptp(panel.outline[:, 0])) for panel in fitted.panels) == pytest.approx([0.75, 1.0, 2.0])
     assert all(panel.outline[:, 0].min() == pytest.approx(0.0, abs=1e-9) for panel in fitted.panels)
     assert sorted(set(fitted.panel[1:].tolist())) == ["wall-1", "wall-2", "wall-3"]
+
+
+def test_a_wall_apart_gets_a_name_that_no_part_of_another_has():
+    stones = on_ground(*bricks(0.0, 2.0, 6), *bricks(3.0, 1.5, 6))
+    (wall,), _ = stone_walls(stones, 1e-3)
+    # As of stones that were joined to the wall from a plane of their own.
+    joined = replace(wall, tag=np.where(wall.stones < 4, "wall-2", wall.tag))
+    walls, _ = separate_walls(stones, [joined], 1e-3)
+    assert [one.name for one in walls] == ["wall-1", "wall-3"]
+    assert [sorted(set(one.tag.tolist())) for one in walls] == [["wall-1", "wall-2"], ["wall-3"]]
 
 
 def test_the_note_of_an_import_says_which_names_no_load_can_have():
