@@ -14,6 +14,8 @@ from churchpipe.model.quantities import Quantity
 STILL = 1e-3
 # A macro-element takes part in a mechanism when it has this share of the motion.
 TAKES_PART = 0.05
+# What stones that stand in no wall are called, as those of a drawing may.
+UNNAMED = "unnamed"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +55,7 @@ def parts(
     motion = total(np.where(moving, np.linalg.norm(velocity, axis=1), 0.0))
     largest, whole = float(np.abs(mean).max(initial=0.0)), float(motion.sum())
     columns = (own, total(moving.astype(float)) / own, mean / (largest or 1.0), motion / (whole or 1.0))
-    found = [Part(str(name), *map(float, values)) for name, *values in zip(names, *columns, strict=True)]
+    found = [Part(str(name) or UNNAMED, *map(float, values)) for name, *values in zip(names, *columns, strict=True)]
     return tuple(sorted(found, key=lambda one: -one.motion))
 
 

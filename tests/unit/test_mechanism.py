@@ -38,6 +38,11 @@ def test_parts_by_hand() -> None:
     }
 
 
+def test_stones_of_no_wall_are_called_so() -> None:
+    found = parts(np.array(["", "tower"]), np.ones(2), np.array([[1.0, 0, 0], [2.0, 0, 0]]), np.ones(2, dtype=bool), X)
+    assert [part.name for part in found] == ["tower", "unnamed"]
+
+
 def test_motion_against_the_load_counts_with_its_sign() -> None:
     velocity = np.array([[1.0, 0, 0], [-2.0, 0, 0]])
     found = parts(np.array(["a", "b"]), np.ones(2), velocity, np.ones(2, dtype=bool), X)

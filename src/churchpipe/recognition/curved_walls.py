@@ -77,8 +77,10 @@ def curved_walls(stones: Assemblage, base: float, ragged: Raggedness) -> tuple[l
         if len(own) >= LEAST_STONES and (not name or share > LEAST_SHARE):
             used[own] = True
             found.append(CurvedWall(name, own, chart, thickness))
-            if not whole:
-                cut[free[within_arc(stones, free, chart, thickness)]] = True
+            # Where walls have names, stones within one that have none fit none.
+            asked = (stones.panel == name) & (not whole) | (stones.panel == "") & bool(name)
+            beside = np.flatnonzero(asked & ~used)
+            cut[beside[within_arc(stones, beside, chart, thickness)]] = True
     return found, np.flatnonzero(cut & ~used)
 
 

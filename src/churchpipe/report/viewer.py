@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.io.records import Analysis
-from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
+from churchpipe.mechanism import UNNAMED, moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import KINDS, Contacts
@@ -63,7 +63,7 @@ def viewer_data(
         "panel_of": panel_of.tolist(),
         "panels": [
             {
-                "name": str(name) or "unnamed",
+                "name": str(name) or UNNAMED,
                 "colour": plain.get(str(name), colours.PANELS[i % len(colours.PANELS)]),
                 "drawn": bool((~plate & (panel_of == i)).any()),
             }

@@ -63,6 +63,14 @@ def test_a_turned_and_rounded_round_tower_is_one_wall_too() -> None:
     assert len(fitted.unfit) == len(off_circles(exact))
 
 
+def test_stones_named_by_the_wall_that_was_fitted_to_them_are_fitted_alike() -> None:
+    # A run names the stones of a drawing by their walls, and fits the walls again.
+    first = fit_panels(drawn("round_tower", named=False))
+    again = fit_panels(replace(drawn("round_tower"), panel=first.panel))
+    assert [panel.name for panel in again.panels] == [panel.name for panel in first.panels]
+    assert again.unfit.tolist() == first.unfit.tolist()
+
+
 def test_an_apse_with_a_window_leaves_the_wall_that_it_is_toothed_into_whole() -> None:
     stones = drawn("apse_window", named=False)
     fitted = fit_panels(stones)
