@@ -345,7 +345,19 @@ def _movement(record: Movement) -> str:
     widest = "".join(f"{1e3 * crack.opening:.3g} mm in {crack.wall}" for crack in record.cracks[:1] if crack.opening > _SHUT)
     name = named_of(record.movement, record.variant, record.swept)
     end = ENDINGS.get(record.ending, record.ending)
-    return f"Support {name}: at {far:.4g} {unit} {end}; widest crack {widest or 'none'}"
+    return f"Support {name}: at {far:.4g} {unit} {end}; widest crack {widest or 'none'}{_reaction(record)}"
+
+
+def _reaction(record: Movement) -> str:
+    """Return with what force a support resists as it begins to move, the larger of two values first; "" if it did not move."""
+    (least, force), (reaction, _) = in_unit(record, "least_reaction"), in_unit(record, "reaction")
+    if not reaction or not math.isfinite(least):
+        return ""
+    if least < 0:
+        words = f"be pushed with {-least:.4g} {force} at most ({abs(reaction[0]):.4g} {force} without dilatancy)"
+    else:
+        words = f"resist with {max(least, reaction[0]):.4g} {force} without dilatancy, {least:.4g} {force} at the least"
+    return f"; as it begins to move it must {words}"
 
 
 def findings_table(findings: Sequence[Finding]) -> Table:

@@ -67,7 +67,8 @@ def wall_volume(points: FloatArray, faces: "list[tuple[int, ...]]", base: float)
             "a side is not at right angles to its front",
             f"{np.degrees(np.arccos(abs(slope[worst]))):.3g} degrees to the front, {_at(mean[worst])}",
             "two parallel upright faces, and ends, top and reveals at right angles to them",
-            "Square it up, or draw the splayed part as a body of its own.",
+            "Square it up: at a corner one wall runs to the far face of the other, at a slant one ends square before the other, "
+            "and a splayed reveal has its mean width.",
         )
     along = np.cross([0.0, 0.0, 1.0], across)
     start = float((points @ along).min())

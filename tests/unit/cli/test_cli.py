@@ -564,6 +564,10 @@ def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFi
     for text in ("facade 90 %, nave 10 %", "123.4", "1.937", "0.4368", "not satisfied"):
         assert text in out
     assert "Support pier: at 87.2 mm the stones hold the support fast; widest crack 12 mm in nave" in out
+    assert "12 mm in nave; as it begins to move it must resist with 9 kN without dilatancy, 8 kN at the least" in out
+    pushed = movement | {"least_reaction_kN": -2.0, "reaction_kN": [-1.5]}
+    write_json(tmp_path / "summary.json", summary | {"movements": [pushed]})
+    assert "it must be pushed with 2 kN at most (1.5 kN without dilatancy)" in call(capsys, "show", tmp_path)[1]
     # One that is not followed to its end says how far it went.
     unfinished = movement | {"ultimate_mm": None, "movement_mm": [0.0, 61.5], "ending": "unfinished"}
     write_json(tmp_path / "summary.json", summary | {"movements": [unfinished, unfinished | {"movement_mm": []}]})

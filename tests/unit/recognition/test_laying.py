@@ -186,6 +186,20 @@ def in_plan(plan: shapely.Polygon) -> Polyhedron:
     return flat * [1, 1, 3], [list(face) for face in faces]
 
 
+def test_what_a_message_says_of_mitred_walls_and_of_walls_at_a_slant_can_be_laid():
+    along, turn = shapely.box(0, 0, 6, 0.5), math.radians(37)
+    mitred = shapely.Polygon([(0, 0), (6, 0), (6, 0.5), (0.5, 0.5)]), shapely.Polygon([(0, 0), (0.5, 0.5), (0.5, 4), (0, 4)])
+    square = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+    ended = shapely.Polygon(np.array([(0, 0), (4, 0), (4, 0.35), (0, 0.35)]) @ square + [2.0, 0.5])
+    slanted = shapely.Polygon([*ended.exterior.coords[:3], (2 - 0.35 / math.sin(turn), 0.5)])
+    remedy = r"at a corner one wall runs to the far face of the other, at a slant one ends square before the other"
+    for refused in (mitred, (along, slanted)):
+        with pytest.raises(InputError, match=remedy):
+            cp.lay_stones(volumes(*map(in_plan, refused)), course=COURSE, stone=STONE)
+    for plans in ((along, shapely.box(0, 0, 0.5, 4)), (along, ended)):
+        assert len(cp.lay_stones(volumes(*map(in_plan, plans)), course=COURSE, stone=STONE).panels) == 2
+
+
 def test_a_curved_wall_is_refused():
     apse = shapely.Polygon(ring_outline((0.0, 0.0), 2.0, 2.5, 0.0, math.pi, 24))
     with pytest.raises(InputError, match=r"it is curved.*Cut it into plane lengths"):
