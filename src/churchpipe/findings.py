@@ -93,7 +93,7 @@ REMEDIES: Final = {
     "W19": "Pass --unit-weight-kN-m3 to churchpipe import, or put it in the case.",
     "E20": "Read it with the version of churchpipe that wrote it.",
     "E21": "Convert it to a mesh.",
-    "W22": "Give the inserts the attributes ID and MATERIAL if the case is to name them.",
+    "W22": "Draw them as inserts of blocks with the attributes ID and MATERIAL if the case is to name them.",
     "E23": "Correct the counts of the arrays.",
     "E24": "Pass --thickness with the depth of the stones, such as 0.3m.",
     "W24": "Put outlines that are no stones on a layer that is off, or on OPENING.",

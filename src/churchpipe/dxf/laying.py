@@ -16,7 +16,7 @@ from churchpipe.model.building import Building, Panel
 from churchpipe.model.materials import UnitWeight
 from churchpipe.recognition.insets import is_single
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
-from churchpipe.recognition.lintels import LEVEL, SEAT, LaidLintel, bare_heads, bearings, beyond, is_lintel, slight, with_lintels
+from churchpipe.recognition.lintels import LEVEL, SEAT, LaidLintel, bare_heads, bearings, beyond, slight, with_lintels
 from churchpipe.recognition.overhangs import FREE, overhangs
 from churchpipe.recognition.squaring import squared
 from churchpipe.stones.blocks import derive_blocks
@@ -85,7 +85,8 @@ def _refused(error: InputError, place: dict[str, Place]) -> Finding:
 
 def _names(bodies: Sequence[Stone]) -> list[str]:
     """Return names for the walls: those of their layers or bodies, numbered where several bear one."""
-    names = [body.panel or (body.layer if is_lintel(body.layer) else body.name) for body in bodies]
+    # A solid without attributes is known by its layer; all that is drawn without care lies on layer 0.
+    names = [body.panel or (body.name if body.layer == "0" else body.layer or body.name) for body in bodies]
     shared = {name: count(1) for name, times in Counter(names).items() if times > 1}
     return [f"{name}-{next(shared[name])}" if name in shared else name for name in names]
 

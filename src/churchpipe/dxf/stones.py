@@ -113,7 +113,8 @@ def summary(found: Survey) -> list[Finding]:
     if found.nameless:
         first = found.nameless[0]
         what = (
-            f'{counted(len(found.nameless), "stone")} without attributes, this one the first, named by handle, material "default"'
+            f"{counted(len(found.nameless), 'body', 'bodies')} without attributes, this one the first; named by "
+            'handle, and walls to be laid by layer; material "default"'
         )
         out.append(first.finding("W22", what))
     return out

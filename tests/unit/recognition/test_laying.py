@@ -239,6 +239,21 @@ def test_a_mesh_of_a_wall_is_laid(tmp_path: Path, suffix: str):
     fills(stones, REGION.area * 0.4)
 
 
+def test_solids_that_are_walls_have_the_names_of_their_layers(tmp_path: Path):
+    document = ezdxf.new("R2010")
+    document.header["$INSUNITS"] = 6
+    for layer, at in (("Nord", 0.0), ("Süd", 3.0), ("Quer 2", 6.0), ("Quer 2", 9.0), ("0", 12.0), ("GROUND", -9.0)):
+        points, faces = box((0, 4), (at, at + 0.4), (0, 2)) if layer != "GROUND" else box((-1, 5), (-1, 14), (-1, 0))
+        with document.modelspace().add_mesh(dxfattribs={"layer": layer}).edit_data() as mesh:
+            mesh.vertices, mesh.faces = points.tolist(), list(faces)
+    path = tmp_path / "walls.dxf"
+    document.saveas(path)
+    stones, findings = cp.read_dxf(path, unit_weight=18e3, bond="running", course=COURSE, stone=STONE)
+    handle = document.modelspace()[4].dxf.handle
+    assert set(stones.panel[~stones.fixed]) == {"NORD", "SÜD", "QUER 2-1", "QUER 2-2", handle}
+    assert "6 bodies without attributes" in str(findings)
+
+
 def test_outlines_with_openings_are_laid(tmp_path: Path):
     document = ezdxf.new("R2010")
     document.header["$INSUNITS"] = 4
