@@ -18,6 +18,7 @@ from churchpipe.recognition.insets import is_single
 from churchpipe.recognition.laying import LaidBond, Volume, joined, laid_panel, lowest
 from churchpipe.recognition.lintels import LEVEL, SEAT, LaidLintel, bare_heads, bearings, beyond, slight, with_lintels
 from churchpipe.recognition.overhangs import FREE, overhangs
+from churchpipe.recognition.slanted import slanted_meetings
 from churchpipe.recognition.squaring import squared
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.wording import counted
@@ -67,6 +68,7 @@ def laid_stones(bodies: Sequence[Stone], bond: LaidBond, unit: float, findings: 
     findings += [said for panel in panels for said in _slight(panel, place[panel.name])]
     findings += [said for panel in panels for said in _beyond(panel, place[panel.name])]
     findings += [said for panel in panels for said in _bare_heads(panel, place[panel.name])]
+    findings += [_slanted(*meeting, place[meeting[0].name]) for meeting in slanted_meetings(panels)]
     supports = [body.points * unit for body in fixed]
     findings += [said for panel in panels for said in _overhangs(panel, panels, supports, place[panel.name])]
     return [*fixed, *_stones(stones, place, unit)]
@@ -206,6 +208,13 @@ def _overhangs(panel: Panel, walls: Sequence[Panel], supports: Sequence[FloatArr
     )
     remedy = "Draw what bears its free end, such as a pier, or one head at one height from side to side with a lintel over it."
     return [place.finding("W28", what, remedy=remedy)]
+
+
+def _slanted(one: Panel, other: Panel, angle: float, place: Place) -> Finding:
+    found = (
+        f'"{one.name}" and "{other.name}" meet at {angle:.3g} degrees: no junction is laid there, and nothing holds them together'
+    )
+    return place.finding("W28", found, remedy="Draw the stones where they meet if they are bonded there.")
 
 
 def _stones(stones: Assemblage, place: dict[str, Place], unit: float) -> list[Stone]:

@@ -254,6 +254,23 @@ def test_solids_that_are_walls_have_the_names_of_their_layers(tmp_path: Path):
     assert "6 bodies without attributes" in str(findings)
 
 
+def test_walls_that_meet_at_a_slant_are_said_to_have_no_junction(tmp_path: Path):
+    """One wall ends at the other with a corner, one a quarter of its thickness before it; one is far away, one square to it."""
+    turn = math.radians(37)
+    square = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+    wall = np.array([(0, 0), (4, 0), (4, 0.4), (0, 0.4)])
+    plans = [shapely.box(0, 0, 20, 0.5), shapely.box(0, 0.5, 0.4, 4)]
+    plans += [shapely.Polygon(wall @ square + [start, 0.5 + apart]) for start, apart in ((2.0, 0.0), (8.0, 0.1), (14.0, 0.3))]
+    path = write_obj(volumes(*map(in_plan, plans)), tmp_path / "walls.obj")
+    options = {"support": "base", "unit_weight": 18e3, "bond": "running", "course": COURSE, "stone": STONE}
+    stones, findings = cp.read_stones(path, units="m", **options)
+    joints = cp.find_contacts(stones)
+    met = {tuple(sorted(stones.panel[pair])) for pair in joints.blocks if not stones.fixed[pair].any()}
+    assert {pair for pair in met if len(set(pair)) == 2} == {("body-0", "body-1")}
+    said = [finding.found for finding in findings if "no junction is laid there" in finding.found]
+    assert [text.partition(":")[0] for text in said] == [f'"body-0" and "body-{k}" meet at 37 degrees' for k in (2, 3)]
+
+
 def test_outlines_with_openings_are_laid(tmp_path: Path):
     document = ezdxf.new("R2010")
     document.header["$INSUNITS"] = 4
