@@ -30,6 +30,8 @@ UNFINISHED = "unfinished.txt"
 LOCAL = "local"
 # Loads its libraries while the plan of the run is made, and waits for its orders.
 _WAITING = "churchpipe.waiting_engine"
+# What the engine says where it cannot note which stages it has finished.
+_NO_ROOM = re.compile("No space left on device|Disk quota exceeded|Read-only file system")
 # What the engine says of the command of a stage that failed: its name, that of its result, and its exit status.
 _CRASHED = re.compile(r" stage -- (\w+) (\S+) .*returned non-zero exit status (\d+)")
 
@@ -255,6 +257,8 @@ def crashes(folder: Path) -> str:
             ended = f"signal {int(code) - 128} ended it from outside, as where the machine has no memory left"
         where = folder / "log" / stage / f"{name}.txt"
         told.append(f"The stage {stage} of {name} crashed: {ended}. Run it again, what is finished stays; see {where}")
+    if not told and (full := _NO_ROOM.search(log)):
+        return f"{folder}: {full[0]}. Make room there, or choose another folder with --out; what is finished stays."
     return "\n".join(dict.fromkeys(told)) or f"A stage crashed; see {folder / 'run.log'}"
 
 

@@ -40,6 +40,12 @@ def test_a_stage_that_ended_without_a_word_is_named(tmp_path: Path, status: int,
     assert engine.crashes(tmp_path) == f"A stage crashed; see {tmp_path / 'run.log'}"
 
 
+def test_an_engine_without_room_for_its_notes_says_so(tmp_path: Path) -> None:
+    said = "WorkflowError:\nError recording metadata for finished job ([Errno 28] No space left on device).\n"
+    (tmp_path / "run.log").write_text(said, encoding="utf-8")
+    assert engine.crashes(tmp_path).startswith(f"{tmp_path}: No space left on device. Make room there, or choose another folder")
+
+
 def test_an_engine_without_orders_ends_with_what_it_was_started_for() -> None:
     with engine.started() as ready:
         assert ready.process.poll() is None
