@@ -187,7 +187,6 @@ def export_dxf(
         weights = {material.name: material.unit_weight for material in read.materials}
         stones = read_file(read.source.path, unit_weight=weights, **asdict(read.source.reading)).stones
     carried = read.carries
-    drawing.parent.mkdir(parents=True, exist_ok=True)
     write_dxf(stones, drawing, materials=read.materials, loads=read.loads, ties=carried.ties, line_loads=carried.line_loads)
     out.print(f"{counted(int((~stones.fixed).sum()), 'stone')}: {drawing}", soft_wrap=True)
     beams = () if isinstance(read.source, Generated) else ("ring_beams",)

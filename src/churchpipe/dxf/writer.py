@@ -43,7 +43,7 @@ def write_dxf(
     assemblage
         The stones.
     path
-        The drawing to write.
+        The drawing to write; a folder of it that is missing is made.
     materials
         Unit weight and strength of what the stones are made of.
     loads
@@ -176,12 +176,13 @@ def _inserts(document: Any, stones: Assemblage, recurrence: Recurrence, scale: f
 
 
 def _save(document: Any, inserts: str, path: Path) -> None:
-    """Write under a temporary name and rename, so that a killed run leaves no half of a drawing."""
+    """Write under a temporary name and rename, so that a killed run leaves no half of a drawing; folders are made as needed."""
     # The system's own tests take any name; those of Path raise on one that is too long.
     if os.path.exists(path) and not os.path.isfile(path):
         raise InputError(str(path), "the drawing cannot be written", found="a folder or a device", expected="the name of a file")
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         try:
             with temporary.open("w", encoding="utf-8", errors="dxfreplace", newline="\n") as stream:
                 text = io.StringIO()

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import solids
-from churchpipe.dxf.reader import read_dxf
+from churchpipe.dxf.reader import read_drawing, read_dxf
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage
@@ -138,6 +138,14 @@ def test_a_drawing_has_the_name_of_one(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_a_missing_folder_is_an_input_error(tmp_path: Path) -> None:
+def test_a_missing_folder_is_made(tmp_path: Path) -> None:
+    """As `save` and `write_report` make it."""
+    write_dxf(wedge_and_ground(), tmp_path / "none" / "below" / "a.dxf")
+    assert read_drawing(tmp_path / "none" / "below" / "a.dxf").stones.count == wedge_and_ground().count
+
+
+def test_a_file_in_the_place_of_a_folder_is_an_input_error(tmp_path: Path) -> None:
+    (tmp_path / "none").write_text("mine", encoding="utf-8")
     with pytest.raises(InputError, match="cannot be written"):
         write_dxf(wedge_and_ground(), tmp_path / "none" / "a.dxf")
+    assert (tmp_path / "none").read_text(encoding="utf-8") == "mine"
