@@ -88,6 +88,20 @@ def test_loads_without_a_check_are_named_at_the_head_and_in_the_terminal() -> No
     assert any("load up, rigid blocks" in line and "no safety check, the load is not horizontal" in line for line in said)
 
 
+def test_loads_of_which_none_has_a_check_are_named_at_the_head() -> None:
+    refused = SafetyCheck(message="check: the load is not horizontal", a_g=1.5)
+    rows = [row("up", refused), row("-x", None, status="unbounded")]
+    found = overall(rows, ["up", "-x"])
+    assert found is not None
+    assert found["satisfied"] is None
+    assert found["words"].startswith(f"No load of the case has a check: {rows[0].label}. ")
+    table = check_table(rows)
+    assert table is not None
+    assert table["refused"] == [(rows[0].label, refused.message)]
+    # Where the case says nothing of the site it asks for no verdict.
+    assert overall([row("up", replace(refused, a_g=np.nan))], ["up"]) is None
+
+
 def test_a_load_that_is_not_horizontal_leaves_the_site_known() -> None:
     stones = on_ground(box((0, 1), (0, 1), (0, 2)))
     load = cp.LoadCase((1, 0, 0.2))

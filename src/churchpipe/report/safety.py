@@ -96,7 +96,8 @@ def fails(row: Row) -> bool:
 
 
 def overall(rows: Sequence[Row], questions: Sequence[Hashable]) -> dict[str, Any] | None:
-    """Return the verdict on all loads of the building as it is, None where the case says nothing of the site: satisfied, words.
+    """Return the verdict on all loads of the building as it is, None where the case says nothing of the site: satisfied (None
+    where no load has a check), words.
 
     questions: what each row asks. Where one has a capacity curve the check by displacements governs, as the rule of the circular;
     else the lowest zeta_E does. What has no check is named: a verdict on some loads is none on the others.
@@ -108,9 +109,11 @@ def overall(rows: Sequence[Row], questions: Sequence[Hashable]) -> dict[str, Any
             asked.setdefault(question, []).append(row)
         elif not row.of_shell and row.record.status != "unbounded":
             unmade.setdefault(question, row)
-    if not asked:
-        return None
     without = [row.label for question, row in unmade.items() if question not in asked]
+    if not asked:
+        sited = any(row.record.check is not None and math.isfinite(row.record.check.a_g) for row in rows)
+        words = f"No load of the case has a check: {'; '.join(without)}. The table of the safety check says why."
+        return {"satisfied": None, "words": words} if sited else None
     found = [_lowest([row for row in of_one if row.record.method == "curve"] or of_one) for of_one in asked.values()]
     lead, failed = _lowest(found), [row for row in found if fails(row)]
     of_site = figure(lead.record.check.a_g if lead.record.check else None, 3)

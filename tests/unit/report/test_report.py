@@ -619,6 +619,15 @@ def test_the_check_with_a_site_has_a_verdict(tmp_path: Path, changes: dict, word
     assert "no check. check: the load is not horizontal." in page.text
 
 
+def test_a_check_that_no_load_has_is_said_at_the_head(tmp_path: Path) -> None:
+    state = state_of(tower())
+    refused = {"message": "the load is not horizontal.", "a_g_m_s2": 1.5}
+    text = report(tmp_path, [(record_of(state, "up", check=refused), state)])
+    before = " ".join(Page(text.partition('<section class="cards"')[0]).text.split())
+    assert "Safety check: not made. No load of the case has a check: associative, load up, friction 0.7." in before
+    assert "no check. the load is not horizontal." in Page(text).text
+
+
 def test_of_a_load_the_check_by_displacements_governs_and_of_several_loads_the_lowest() -> None:
     def row(load: str, zeta_e: float, check: type[SafetyCheck | DisplacementCheck], **more: str) -> Row:
         satisfied = zeta_e >= 1
