@@ -21,8 +21,9 @@ LEVELS: dict[KnowledgeLevel, float] = {"LC1": 1.35, "LC2": 1.2, "LC3": 1.0}
 CONFIDENCE_FACTOR = LEVELS["LC1"]
 BEHAVIOUR_FACTOR = 2.0
 
-# EN 1998-1, 3.2.1: below .04 g the seismicity is very low. A value in g that was written as one in m/s2 lies there as a rule.
-_USUAL_GROUND = Usual(0.04, 1.5, "design values on rock are mostly 0.04 to 0.6 g")
+# EN 1998-1, 3.2.1: below .04 g the seismicity is very low. A value in g that was written as one in m/s2 lies there as a rule, and
+# one in m/s2 that was written as one in g above .6 g.
+_USUAL_GROUND = Usual(0.04, 0.6, "design values on rock are mostly 0.04 to 0.6 g")
 _GROUND = Quantity(low=0.0, above=True, usual=_USUAL_GROUND, key="ag_g", other="a_g_m_s2")
 _SPECTRAL = Quantity(
     "_g", 0.0, above=True, usual=Usual(0.001, 5, "some three times the ground acceleration"), other="spectral_acceleration_m_s2"

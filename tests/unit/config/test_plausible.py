@@ -143,9 +143,11 @@ def test_tolerances_larger_than_any_joint_are_questioned(key: str, tmp_path: Pat
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"ground": 25}, "check.ag_g is 25 g, usual are 0.04 to 1.5 g"),
+        ({"ground": 25}, "check.ag_g is 25 g, usual are 0.04 to 0.6 g"),
+        # .15 g, written in m/s2.
+        ({"ground": 1.5}, "check.ag_g is 1.5 g, usual are 0.04 to 0.6 g"),
         # .15 g, written as .15 m/s2.
-        ({"ground": 0.15 / 9.80665}, "check.ag_g is 0.0153 g, usual are 0.04 to 1.5 g"),
+        ({"ground": 0.15 / 9.80665}, "check.ag_g is 0.0153 g, usual are 0.04 to 0.6 g"),
         ({"friction": 5}, "material.default.friction is 5, usual are 0.1 to 1.5"),
         ({"weight": 200}, "material.default.unit_weight_kN_m3 is 200 kN/m3, usual are 8 to 35 kN/m3"),
         ({"cohesion": 50e3}, "material.default.cohesion_kPa is 5e+04 kPa, usual are 0 to 2000 kPa"),
