@@ -30,6 +30,7 @@ _MATERIAL = re.compile(r"\b(?:material|mat|m)\s*=?\s*(\d+)", re.IGNORECASE)
 _WORDS = re.compile(rf"({_REGION.pattern}|{_GROUP.pattern}|{_MATERIAL.pattern}|\bid\s*=?\s*\d+|\s)*", re.IGNORECASE)
 _SHAPE = "face with the coordinates of three corners or more"
 _SIZES = "x, y and z from the lower to the higher end: six numbers, or two for a cube"
+_OWN = "Give each a group of its own if the case is to name them."
 # Faces of a brick, counterclockwise from outside; x, y and z of its corners 0 to 7 are the digits of a binary number.
 _SIDES: list[Face] = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 
@@ -80,9 +81,18 @@ def read_3dec(path: Path) -> Source:
     for index, block in enumerate(blocks, 1):
         one = block.region and (block.region in joined or counted[block.region] == 1)
         stones.setdefault(f"region-{block.region}" if one else f"block-{index}", []).append(block)
+    sharing, numbered = Counter(parts[0].group for parts in stones.values()), Counter[str]()
     for name, parts in stones.items():
         ground = any({("region", part.region), ("group", part.group)} & fixed for part in parts)
-        source.bodies.append(_body(parts[0].group or name, parts, ground))
+        if group := parts[0].group:
+            numbered[group] += 1
+            name = f"{group}.{numbered[group]}" if sharing[group] > 1 else group
+        source.bodies.append(_body(name, parts, ground))
+    source.findings += [
+        Finding("W42", f'the group "{group}" has {count} blocks: "{group}.1" to "{group}.{count}"', remedy=_OWN)
+        for group, count in sharing.items()
+        if group and count > 1
+    ]
     return source
 
 

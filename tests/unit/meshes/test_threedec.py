@@ -11,6 +11,7 @@ from churchpipe.meshes.reader import read_stones
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.soundness import check_soundness
 
+BRICK = "block create brick"
 GROUND = "{} -0.5 2.5 -0.3 0.6 -0.3 0 group 'base'\n"
 READ = {"unit_weight": 18e3}
 
@@ -40,6 +41,20 @@ def test_bricks_are_stones(command: str, fix: str, tmp_path: Path) -> None:
     check_soundness(stones, contacts)
     # By hand: 4 or 5 stones of a course have 3 or 4 head joints; 4 base joints; 8 joints in each of 5 beds.
     assert len(contacts.blocks) == 3 * 3 + 3 * 4 + 4 + 5 * 8
+
+
+def test_a_group_of_many_blocks_is_one_finding_with_their_number(tmp_path: Path) -> None:
+    """A group is a set of blocks, so that its blocks are numbered, and nothing is wrong with them."""
+    path = tmp_path / "wall.3ddat"
+    lines = [line + (" group 'east'" if number % 2 else " group 'west'") for number, line in enumerate(wall(BRICK).splitlines())]
+    path.write_text("\n".join([*lines, GROUND.format(BRICK).strip(), "block fix range group 'base'"]) + "\n")
+    stones, findings = read_stones(path, **READ)
+    assert [finding.found for finding in findings if finding.code in ("W15", "W42")] == [
+        'the group "west" has 14 blocks: "west.1" to "west.14"',
+        'the group "east" has 13 blocks: "east.1" to "east.13"',
+    ]
+    assert stones.block_id[[0, 1, 2, 25, 26, 27]].tolist() == ["west.1", "east.1", "west.2", "east.13", "west.14", "base"]
+    assert stones.fixed.nonzero()[0].tolist() == [27]
 
 
 def test_a_brick_of_two_numbers_is_a_cube(tmp_path: Path) -> None:
