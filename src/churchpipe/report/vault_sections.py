@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.report.plots import svg_of
@@ -17,6 +17,9 @@ from churchpipe.wording import counted
 
 # A dome's beds look to all sides: least share of them across the main direction.
 _ALL_ROUND = 0.25
+# Two barrels that cross look to all sides, too. Their beds look along the way to the middle with less than this share, those of a
+# pavilion with .8.
+_INWARDS = 0.5
 # No more sections are drawn.
 _MOST = 8
 
@@ -55,6 +58,11 @@ def _section(stones: Assemblage, contacts: Contacts, row: Row, panel: str, acros
     direction = (1.0, 0.0) if dome else (float(abs(axes[0, 1])), float(axes[1, 1] * np.sign(axes[0, 1] or 1.0)))
     mine = stones.panel == panel
     through, width = _middle(stones, mine), _stone_length(stones, mine)
+    if dome and (span := _crossed(stones, contacts, mine, through)) is not None:
+        # Along its middle a barrel has hardly a bed; at its end it is a whole arch.
+        dome, direction = False, (float(span[0]), float(span[1]))
+        beside = np.array([-span[1], span[0]])
+        through = through + (np.max((_corners(stones, mine) - through) @ beside) - width / 2) * beside
     place = (float(through[0]), float(through[1]))
     try:
         line = thrust_line(stones, contacts, row.state.forces, panel, place, direction, width)
@@ -88,12 +96,31 @@ def _words(line: ThrustLine) -> str:
     return f"Thrust in {joints} of the section, {figure(line.force.max() / 1e3, 2)} kN at most; {edge}."
 
 
-def _middle(stones: Assemblage, mine: np.ndarray) -> FloatArray:
-    corner = stones.points[np.repeat(mine, np.diff(stones.block_point_ptr)), :2]
+def _crossed(stones: Assemblage, contacts: Contacts, mine: BoolArray, middle: FloatArray) -> FloatArray | None:
+    """Return the direction in plan (2,) in which one of two barrels that cross spans, the one more along x; None of a dome."""
+    beds = mine[contacts.blocks].all(axis=1) & (stones.course[contacts.blocks[:, 0]] != stones.course[contacts.blocks[:, 1]])
+    normal, area = contacts.frame[beds, 0, :2], contacts.area[beds]
+    place = np.add.reduceat(contacts.point[:, :2], contacts.point_ptr[:-1])[beds] / contacts.points_per_interface[beds, None]
+    way = place - middle
+    inwards = (normal * way).sum(axis=1) ** 2 / np.maximum((way**2).sum(axis=1), np.finfo(float).tiny)
+    if area @ inwards >= _INWARDS * (area @ (normal**2).sum(axis=1)):
+        return None
+    slope = np.linalg.norm(normal, axis=1)
+    steep = normal[slope > 0.9 * slope.max()]
+    found = steep[np.argmax(np.abs(steep[:, 0]))]
+    return found / np.linalg.norm(found) * (1.0 if found[0] >= 0 else -1.0)
+
+
+def _middle(stones: Assemblage, mine: BoolArray) -> FloatArray:
+    corner = _corners(stones, mine)
     return (corner.min(axis=0) + corner.max(axis=0)) / 2
 
 
-def _stone_length(stones: Assemblage, mine: np.ndarray) -> float:
+def _corners(stones: Assemblage, mine: BoolArray) -> FloatArray:
+    return stones.points[np.repeat(mine, np.diff(stones.block_point_ptr)), :2]
+
+
+def _stone_length(stones: Assemblage, mine: BoolArray) -> float:
     first = stones.block_point_ptr[:-1]
     size = np.maximum.reduceat(stones.points, first) - np.minimum.reduceat(stones.points, first)
     return float(np.median(size[mine][:, :2].max(axis=1)))

@@ -22,8 +22,10 @@ DRUM: dict[str, Any] = {"drum_height": 0.5, "drum_thickness": 0.3, "drum_course"
 DOME: dict[str, Any] = {"span": 1.8, "thickness": 0.2, "rings": 7, "sides": 16} | DRUM
 
 
-def pushed(building: Building, **record: object) -> tuple[cp.Assemblage, cp.Contacts, Row]:
-    stones = cp.derive_blocks(building)
+def pushed(building: Building, degrees: float = 0.0, **record: object) -> tuple[cp.Assemblage, cp.Contacts, Row]:
+    stones, angle = cp.derive_blocks(building), np.radians(degrees)
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    stones = replace(stones, points=stones.points @ turn.T, centroid=stones.centroid @ turn.T)
     contacts = cp.find_contacts(stones)
     state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), friction=0.7)
     keys = ("flow", "load_factor", "lower_bound", "upper_bound", "status", "iterations", "seconds")
@@ -42,6 +44,24 @@ def test_a_barrel_on_walls_has_one_section_across_it() -> None:
     assert "joints are hinges" in section.words
     assert section.drawing.startswith("<svg")
     assert section.rings == ()
+
+
+@pytest.mark.parametrize("degrees", [0.0, 30.0])
+@pytest.mark.parametrize("corner", ["round", "mitre"])
+def test_a_groin_vault_has_the_arch_at_its_end_and_no_rings(corner: str, degrees: float) -> None:
+    """Its courses are no rings: no hoop goes round them. Along the middle of a barrel there is hardly a bed."""
+    building = vault(span=1.7, thickness=0.3, courses=9, stone_length=0.4, kind="groin", corner=corner)
+    stones, contacts, row = pushed(building, degrees)
+    (section,) = vault_sections(stones, contacts, [row])
+    # Beds of nine courses from springing to springing.
+    assert section.words.startswith("Thrust in 10 joints of the section")
+    assert section.rings == ()
+
+
+def test_a_pavilion_has_rings() -> None:
+    stones, contacts, row = pushed(vault(span=1.7, thickness=0.3, courses=9, stone_length=0.8, kind="pavilion"))
+    (section,) = vault_sections(stones, contacts, [row])
+    assert len(section.rings) == 5
 
 
 @pytest.mark.parametrize(
