@@ -257,7 +257,8 @@ def _of_published(case: "Case") -> Iterator[str]:
 
 def _of_sample(case: "Case") -> Iterator[str]:
     """Yield what to ask about samples that are never as the file says, or in one of a thousand."""
-    for number, parameter in enumerate(case.sample.parameters if case.sample else ()):
+    # What a variant changes is not sampled in it, and of the rest the building as it is asks.
+    for number, parameter in enumerate(case.sample.parameters if case.sample and case.variant is None else ()):
         hardly = quantile(parameter, _HARDLY).tolist()
         low, high = (
             rare if given is None else given for rare, given in zip(hardly, (parameter.low, parameter.high), strict=True)

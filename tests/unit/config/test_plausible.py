@@ -120,6 +120,20 @@ def test_samples_unlike_the_case_are_questioned(distribution: str, words: str, t
     assert all(text.startswith(f"sample.parameters.0 draws material.default.friction {words}") for text in asked)
 
 
+def test_a_variant_that_changes_what_is_sampled_is_not_questioned(tmp_path: Path) -> None:
+    """It is not sampled in it (docs/uncertainty.md): all samples are like it."""
+    path = tmp_path / "w.toml"
+    drawn = '{key="material.default.friction", distribution="uniform", low=0.5, high=0.7}'
+    variant = '[[variants]]\nname = "slippery"\nchange = { "material.default.friction" = 0.3 }\n'
+    path.write_text(f"sample = {{number=4, parameters=[{drawn}]}}\n{CASE.format(**SOUND)}{variant}")
+    cases = read_variants(path)
+    assert [case.variant is None for case in cases] == [True, False]
+    assert questions(cases) == []
+    path.write_text(path.read_text().replace("low=0.5, high=0.7", "low=0.3, high=0.4"))
+    [question] = questions(read_variants(path))
+    assert "draws material.default.friction from 0.3 to 0.4, and the case has 0.6" in question
+
+
 @pytest.mark.parametrize(("top", "asked"), [(30.0, 1), (2.05, 1), (2.0, 0), (0.3, 0), (-1.0, 0)])
 def test_soil_above_its_wall_is_questioned(top: float, asked: int, tmp_path: Path) -> None:
     path = tmp_path / "w.toml"
