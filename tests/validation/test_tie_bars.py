@@ -222,6 +222,33 @@ def test_a_tied_shell_converges_to_the_closed_form() -> None:
     assert fine - (middle - fine) / (ratio - 1) == pytest.approx(expected, rel=0.01)
 
 
+def held_shell(strength: float, thrust: float, rows: int = 4) -> cp.ShellLimitState:
+    """The shell of a wall and its tie, under a thrust of a share of its weight, which acts always."""
+    model, tie = wall_and_post(rows, strength)
+    dead = np.zeros((len(model.triangles), 6))
+    dead[:, 1] = thrust * model.weight
+    load = cp.LoadCase((0, 1, 0), dead=dead)
+    return cp.shell_limit_analysis(model, load, [cp.Material("default", 18e3, 0.6)], membrane="CST", ties=[tie])
+
+
+def test_a_shell_stands_by_a_tie_that_would_pull_it_down_with_its_whole_strength() -> None:
+    """By hand it stands with tensions T: b / h - thrust + 2 T z / (W h) >= 0 >= -b / h - thrust + 2 T z / (W h), that is .044 to
+    .244 of the weight. Pulled with .28 of it, or with nothing, it falls."""
+    weak, strong = held_shell(0.06, 0.24), held_shell(0.28, 0.24)
+    assert held_shell(0.0, 0.24).status == "unstable"
+    assert (weak.status, strong.status) == ("optimal", "optimal")
+    # More strength never makes it weaker, and the tension is one that the wall bears.
+    assert strong.load_factor >= weak.load_factor - 1e-6
+    assert strong.tie_forces[0] >= weak.tie_forces[0] - 1e-6
+
+
+def test_a_shell_that_no_tension_holds_does_not_stand() -> None:
+    # By hand T >= .344 W, which would have to bend the wall between tie and corners; a tie of .3 W does not hold it.
+    state = held_shell(0.3, 0.74)
+    assert state.status == "unstable"
+    assert state.tie_forces == pytest.approx([0.0])
+
+
 TIED = """
 name = "tied"
 [source]

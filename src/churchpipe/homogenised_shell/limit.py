@@ -88,41 +88,44 @@ def shell_limit_analysis(
     elements = shell_elements(shell, membrane, stations)
     bars = listed("shell_limit_analysis: ties", ties, Tie)
 
-    def analysed(case: LoadCase, looks: bool = True) -> ShellLimitState:
+    def analysed(case: LoadCase, looks: bool = True) -> tuple[ShellLimitState, float]:
         return _solved(CondensedShell(elements, case, materials, planes), solver, looks, progress)
 
-    state = tied_analysis(shell, load, bars, analysed) if bars else analysed(load)
+    state = tied_analysis(shell, load, bars, analysed) if bars else analysed(load)[0]
     return replace(state, seconds=perf_counter() - begin, message=with_warning(state.message, planes))
 
 
-def _solved(condensed: CondensedShell, solver: Solver, looks: bool, progress: Progress | None) -> ShellLimitState:
-    """Return the limit state; looks: first whether the dead load stands."""
+def _solved(condensed: CondensedShell, solver: Solver, looks: bool, progress: Progress | None) -> tuple[ShellLimitState, float]:
+    """Return the limit state, and the largest share of the dead load where that does not stand, else NaN; looks: first whether
+    it does."""
     shell = condensed.elements.shell
     methods = ["interior-point", "clarabel"] if solver == "auto" and len(shell.triangles) <= SOLVER.clarabel_facets else [solver]
     *others, last = methods
     for method in others:
-        state = _analysed(condensed, method, looks, progress)
+        state, share = _analysed(condensed, method, looks, progress)
         if state.status != "failed":
-            return state
+            return state, share
     return _analysed(condensed, "interior-point" if last == "auto" else last, looks, progress)
 
 
-def _analysed(condensed: CondensedShell, method: str, looks: bool, progress: Progress | None) -> ShellLimitState:
+def _analysed(condensed: CondensedShell, method: str, looks: bool, progress: Progress | None) -> tuple[ShellLimitState, float]:
     dead, live = condensed.loads.dead, condensed.loads.live
-    state = None
+    state, share = None, np.nan
     if looks:
         if method == "clarabel":
             found = condensed.solve_directly(None, dead, cap=1.0)
         else:
             found = condensed.solve(None, dead, cap=1.0, progress=progress and partial(progress, "dead load"))
-        state = _verdict(condensed.elements, proved_bounds(condensed, found, np.zeros_like(dead), dead))
+        standing = proved_bounds(condensed, found, np.zeros_like(dead), dead)
+        state = _verdict(condensed.elements, standing)
+        share = np.nan if state is None else standing.upper
     if state is None:
         if method == "clarabel":
             found = condensed.solve_directly(dead, live)
         else:
             found = condensed.solve(dead, live, progress=progress and partial(progress, "limit load"))
         state = _decided(condensed.elements, proved_bounds(condensed, found, dead, live))
-    return replace(state, solver=method)
+    return replace(state, solver=method), share
 
 
 def _verdict(elements: ShellElements, standing: Bounds) -> ShellLimitState | None:

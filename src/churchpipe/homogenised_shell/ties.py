@@ -12,6 +12,13 @@ yield: with all of them at T_max one analysis is often enough.
 The next tensions are not those of the upper bound, which lie at a corner of the planes and leap from one analysis to the next,
 but the nearest to the best ones for which the planes promise a share of what may still be gained (the level method: Lemarechal,
 Nemirovskii and Nesterov, New variants of bundle methods, Mathematical Programming 69, 1995).
+
+A shell may stand neither without its ties nor with their whole strength, which pulls its walls down. A mechanism under which it
+falls with T_k, at a share g_k < 1 of its dead load and of T_k, tells which tensions cannot hold it:
+
+    e_k . (T - T_k) / W >= 1 - g_k.
+
+The next tensions are those in the middle of what all such mechanisms leave. Where they leave nothing, no tensions hold the shell.
 """
 
 from collections.abc import Callable, Sequence
@@ -36,15 +43,19 @@ from churchpipe.model.ties import Tie
 MOST_ANALYSES = 30
 # Share of the gap between the bounds that the next analysis aims at.
 _LEVEL = 0.7
+# Tensions left to choose from that differ by less than this share of the strengths are none.
+_SMALLEST = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class _Cut:
-    """An analysis with given tensions (nt,), N: its state, and what each newton more of each tie would add (nt,), 1/N."""
+    """An analysis with given tensions (nt,), N: its state, what each newton more of each tie would add (nt,), 1/N, and the share
+    of the dead load under which it falls at most, NaN where it stands."""
 
     tension: FloatArray
     state: ShellLimitState
     rate: FloatArray
+    share: float
 
 
 def unit_tension(shell: ShellModel, tie: Tie) -> FloatArray:
@@ -58,10 +69,10 @@ def unit_tension(shell: ShellModel, tie: Tie) -> FloatArray:
 
 
 def tied_analysis(
-    shell: ShellModel, load: LoadCase, ties: Sequence[Tie], analysed: Callable[[LoadCase, bool], ShellLimitState]
+    shell: ShellModel, load: LoadCase, ties: Sequence[Tie], analysed: Callable[[LoadCase, bool], tuple[ShellLimitState, float]]
 ) -> ShellLimitState:
-    """Return the limit state of a shell with ties; analysed: the analysis of a load case without them, and whether to look first
-    if the dead load stands.
+    """Return the limit state of a shell with ties; analysed: the analysis of a load case without them, by whether to look first
+    if the dead load stands: the state, and the largest share of the dead load where that does not stand.
 
     Status "not-converged": the bounds, which the state has, did not meet.
     """
@@ -76,16 +87,13 @@ def tied_analysis(
     def at(tension: FloatArray) -> _Cut:
         case = replaced(load, dead=dead + np.einsum("t,tfc->fc", tension, pull))
         # Once a structure stands with its ties, a load factor is enough; what has none is looked at again from its dead load on.
-        state = analysed(case, not cuts)
+        state, share = analysed(case, not cuts)
         if cuts and state.status != "optimal":
-            state = analysed(case, True)
+            state, share = analysed(case, True)
         shortening = np.einsum("tnc,nc->t", nodes, state.velocities) + np.einsum("tmc,mc->t", beams, state.beam_velocities)
-        return _Cut(tension, state, -shortening / weight)
+        return _Cut(tension, state, -shortening / weight, share)
 
-    first = at(most)
-    if first.state.status in ("unstable", "failed"):
-        # Ties that are too strong may pull the walls down themselves.
-        first = at(np.zeros_like(most))
+    first = _standing(at, most)
     if first.state.status != "optimal":
         return replace(first.state, tie_forces=first.tension, tie_sensitivity=np.full(len(ties), np.nan))
     cuts.append(first)
@@ -112,6 +120,44 @@ def tied_analysis(
         seconds=seconds,
         message="" if met else f"tensions of the ties not found in {len(cuts)} analyses; {best.state.message}",
     )
+
+
+def _standing(at: Callable[[FloatArray], _Cut], most: FloatArray) -> _Cut:
+    """Return an analysis with tensions under which the dead load stands; where it falls with all, the one without tensions."""
+    first = at(most)
+    if first.state.status not in ("unstable", "failed"):
+        return first
+    # Ties that are too strong may pull the walls down themselves.
+    slack = at(np.zeros_like(most))
+    falls = [cut for cut in (first, slack) if cut.state.status == "unstable"]
+    tried = slack
+    while tried.state.status == "unstable":
+        if (middle := _middle(falls, most)) is None:
+            return slack
+        if len(falls) == MOST_ANALYSES:
+            message = f"no tensions of the ties with which the dead load stands were found in {len(falls)} analyses"
+            return replace(slack, state=replace(slack.state, status="failed", message=message))
+        tried = at(middle)
+        falls.append(tried)
+    return tried
+
+
+def _middle(falls: Sequence[_Cut], most: FloatArray) -> FloatArray | None:
+    """Return the middle of the largest ball of tensions (nt,), over their strengths, that no mechanism tells to fall; None: there
+    are none."""
+    slopes = np.array([cut.rate * most for cut in falls])
+    least = np.array([cut.rate @ cut.tension + 1 - cut.share for cut in falls])
+    unit, one = np.identity(len(most)), np.ones((len(most), 1))
+    found = linprog(
+        np.append(np.zeros(len(most)), -1.0),
+        A_ub=np.block([[-slopes, np.linalg.norm(slopes, axis=1)[:, None]], [unit, one], [-unit, one]]),
+        b_ub=np.concatenate([-least, np.ones(len(most)), np.zeros(len(most))]),
+        bounds=[(0.0, 1.0)] * len(most) + [(0.0, None)],
+        method="highs",
+    )
+    if found.x is None or found.x[-1] < _SMALLEST:
+        return None
+    return np.asarray(found.x[:-1]) * most
 
 
 def _best(cuts: Sequence[_Cut]) -> _Cut:
