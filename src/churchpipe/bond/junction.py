@@ -17,6 +17,8 @@ from churchpipe.model.building import Junction, Panel, PlaneChart
 
 # Cosine of the angle of two walls above which they are no longer at right angles.
 SQUARE = 1e-4
+# Share of a wall's thickness by which corners miss each other as those of rounded coordinates do.
+_ROUNDED = 0.02
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +137,8 @@ def _zone_span(panels: Sequence[Panel], index: int, zone: Region, pair: tuple[in
     panel = panels[index]
     s = along(panel.chart, vertices(zone))
     span = snap_onto(np.array([s.min(), s.max()]), panel.outline[:, 0])
-    if abs(area(footprint(panel.chart, panel.thickness, span[0], span[1])) - area(zone)) > 1e-6 * area(zone):
+    plan = footprint(panel.chart, panel.thickness, span[0], span[1])
+    if abs(area(plan) - area(zone)) > 1e-6 * area(zone):
         found, remedy = "", "Extend the outline to the far face of the other wall, or stop it at the near face."
         charts = [panels[k].chart for k in pair]
         if isinstance(charts[0], PlaneChart) and isinstance(charts[1], PlaneChart):
@@ -143,10 +146,15 @@ def _zone_span(panels: Sequence[Panel], index: int, zone: Region, pair: tuple[in
             if cosine > SQUARE:
                 found = f"walls at {math.degrees(math.acos(cosine)):.4g} degrees, with "
                 remedy = "Draw them at right angles, end one before the other, or draw the stones where they meet."
+        off = float(np.linalg.norm(vertices(plan)[:, None] - vertices(zone), axis=2).min(axis=1).max())
+        missed = ""
+        if off < _ROUNDED * panel.thickness:
+            missed = f" whose corners miss faces by {1e3 * off:.2g} mm, as those of rounded coordinates do"
+            remedy = f"Export the drawing with more digits, or with its walls along x and y. If nothing was rounded: {remedy}"
         raise InputError(
             f"junction of {panels[pair[0]].name} and {panels[pair[1]].name}",
             "the walls do not cross squarely, face to face",
-            found=f"{found}an overlap of {area(zone):.4g} m2 in plan",
+            found=f"{found}an overlap of {area(zone):.4g} m2 in plan{missed}",
             expected="footprints that cross at right angles, each through the whole thickness of the other or up to its face",
             remedy=remedy,
         )

@@ -91,6 +91,19 @@ def test_an_outline_that_stops_within_the_other_wall_is_an_error():
         junctions(along_x(), along_y(left=2.0, start=0.25))
 
 
+def test_walls_that_miss_each_other_as_rounded_ones_do_are_told_so():
+    slant = wall("s", (2.0, -1.0), (np.sin(0.002), np.cos(0.002)), 4.0, parity=1)
+    rounded = "Export the drawing with more digits, or with its walls along x and y. If nothing was rounded: "
+    for other, by, else_ in ((along_y(left=2.0, start=0.002), "2", "Extend the outline"), (slant, "1", "Draw them at right")):
+        with pytest.raises(InputError, match=rf"m2 in plan whose corners miss faces by {by} mm, as those of rounded") as error:
+            junctions(along_x(), other)
+        assert error.value.remedy.startswith(rounded + else_)
+    # What is off by more was drawn so.
+    with pytest.raises(InputError) as error:
+        junctions(along_x(), along_y(left=2.0, start=0.02))
+    assert "rounded" not in str(error.value)
+
+
 def test_walls_that_touch_have_no_junction():
     x, y = junctions(along_x(), along_y(left=2.0, start=0.5))
     assert not len(x.zones)
