@@ -30,7 +30,8 @@ AXES: Final[dict[str, FloatArray]] = {
     "-y": np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]]),
     "-x": np.array([[0, 0, 1.0], [0, 1.0, 0], [-1.0, 0, 0]]),
 }
-_GROUND = re.compile(r"(ground|support|foundation)s?(?![a-z])", re.IGNORECASE)
+# The ground floor is a storey of the building.
+_GROUND = re.compile(r"(?!ground[\s_.-]*(floor|stor))(ground|support|foundation)s?(?![a-z])", re.IGNORECASE)
 CLOSED = "planar faces that close"
 # A ground of one face gets this part of its size as depth.
 PLATE = 0.1

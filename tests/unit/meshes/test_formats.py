@@ -3,6 +3,7 @@
 import json
 import re
 import zipfile
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -87,6 +88,16 @@ def test_names_materials_and_ground_are_kept(tmp_path: Path) -> None:
     assert set(read.material) == {"stone"}
     assert read.fixed.tolist() == [True] + [False] * 12
     assert "obj/W43 wall.obj: 1 body is ground by its name: ground-0." in str(findings)
+
+
+@pytest.mark.parametrize(
+    ("name", "fixed"), [("Ground floor wall", False), ("ground_storey 3", False), ("Ground slab", True), ("Grounds", True)]
+)
+def test_the_ground_floor_is_a_storey(name: str, fixed: bool, tmp_path: Path) -> None:
+    stones = replace(wall(), block_id=np.array(["ground", name, *(f"b{number}" for number in range(11))]))
+    read, _ = cp.read_stones(write_obj(stones, tmp_path / "wall.obj"), unit_weight=18e3)
+    assert read.block_id[1] == name
+    assert read.fixed.tolist() == [True, fixed] + [False] * 11
 
 
 @pytest.mark.parametrize("unit", METRES)
