@@ -20,6 +20,8 @@ _LEVEL = 0.4
 _ALONG, _NEXT = 0.5, 0.7
 # Joints of rings whose middles in the section are closer than this share of the size of all are one.
 _ONE = 1e-6
+# A joint of which a smaller share than this lies in the strip ends beside it.
+_SLIVER = 1e-6
 # A macro-element in courses is a vault when its beds differ by more than this in slope: sine of 20 degrees.
 _TURNS = 0.34
 
@@ -121,7 +123,7 @@ def thrust_line(
     direction
         Of the section in plan: along x for a barrel that runs along y.
     width
-        Of the strip, m: joints count whose middle lies in it.
+        Of the strip, m: of a joint that reaches out of it the share counts that lies in it.
 
     Raises
     ------
@@ -136,21 +138,21 @@ def thrust_line(
     along /= np.linalg.norm(along)
     middle = _means(contacts, contacts.point)
     origin = np.append(np.asarray(through, dtype=np.float64), 0.0)
-    off = (middle - origin) @ np.cross([0.0, 0.0, 1.0], along)
+    share = _share_within(contacts, (contacts.point - origin) @ np.cross([0.0, 0.0, 1.0], along), width)
     course = np.where(inside, stones.course, -1)[contacts.blocks]
-    beds = inside[contacts.blocks].any(axis=1) & (course[:, 0] != course[:, 1]) & (np.abs(off) <= width / 2)
+    beds = inside[contacts.blocks].any(axis=1) & (course[:, 0] != course[:, 1]) & (share > 0)
     # With other masonry, those at the feet of the vault alone: what lies on its back is no bed.
     within = stones.course[inside & stones.coursed]
     ends = np.isin(course.max(axis=1), np.sort(within)[[0, -1]] if len(within) else [])
     ends &= np.abs(contacts.frame[:, 0, 2]) > _LEVEL
     beds &= (course >= 0).all(axis=1) | ends
     # Voussoirs lie in no course. Where they stand in a wall, its beds are meant.
-    rings = _ring_joints(contacts, inside, along) & (np.abs(off) <= width / 2) & (not len(within))
+    rings = _ring_joints(contacts, inside, along) & (share > 0) & (not len(within))
     drawn = beds | rings
     if not drawn.any():
         raise InputError("thrust_line", "no bed joint in the strip", found=f"{width:g} m about {through}", expected="a wider one")
     point = np.stack([(contacts.point - origin) @ along, contacts.point[:, 2]], axis=1)
-    normal = force[:, 0]
+    normal = force[:, 0] * share[contacts.interface_of_point]
     seen = np.stack([(middle - origin) @ along, middle[:, 2]], axis=1)
     close = _ONE * stones.size
     crown = float(seen[drawn & (seen[:, 1] >= seen[drawn, 1].max() - close), 0].mean())
@@ -188,6 +190,16 @@ def thrust_line(
     order = np.lexsort((np.where(left, -1.0, 1.0) * joint[:, 1], left))
     figures = np.array([row[1:] for row in rows]).reshape(-1, 3)[order]
     return ThrustLine(group[kept, :2].astype(np.int64)[order], place[order], figures[:, 0], figures[:, 1], figures[:, 2])
+
+
+def _share_within(contacts: Contacts, across: FloatArray, width: float) -> FloatArray:
+    """Return the share (ni,) of each joint that lies in a strip; across (np,) m: of its points from the strip's middle."""
+    first = contacts.point_ptr[:-1]
+    low, high = np.minimum.reduceat(across, first), np.maximum.reduceat(across, first)
+    extent, inner = high - low, np.minimum(high, width / 2) - np.maximum(low, -width / 2)
+    upright = extent <= _SLIVER * width
+    share = np.where(upright, inner >= 0, inner / np.where(upright, 1.0, extent))
+    return np.where(share > _SLIVER, share, 0.0)
 
 
 def _ring_joints(contacts: Contacts, voussoirs: BoolArray, along: FloatArray) -> BoolArray:

@@ -1,5 +1,7 @@
 """Lines of thrust, hoop and meridian forces: by the balance of the stones, exactly."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -106,3 +108,26 @@ def test_bad_arguments_are_named() -> None:
         cp.thrust_line(stones, contacts, forces, "vault", through=(0, 50))
     with pytest.raises(InputError, match="forces: wrong shape"):
         cp.ring_forces(stones, contacts, forces[1:], "vault")
+
+
+@pytest.mark.parametrize("heads", ["staggered", "aligned"])
+def test_the_thrusts_of_strips_add_up_to_that_of_the_vault(heads: str) -> None:
+    """A joint counts in a strip by its share there: whole, two joints whose middles lie on the edges of a strip had twice its
+    thrust."""
+    building = vault(span=4.0, thickness=0.45, courses=11, length=1.2, stone_length=0.6, heads=heads)
+    stones = cp.derive_blocks(building)
+    contacts = cp.find_contacts(stones)
+    state = cp.limit_analysis(stones, contacts, cp.LoadCase((1, 0, 0)), friction=0.7)
+
+    def thrust(low: float, high: float) -> np.ndarray:
+        line = cp.thrust_line(stones, contacts, state.forces, "vault", (0.0, (low + high) / 2), width=high - low)
+        assert len(line.force) == 12
+        return line.force
+
+    whole = thrust(0.0, 1.2)
+    assert whole == pytest.approx(thrust(-1.0, 2.2), rel=1e-9)
+    # The ground bears the weight, at two feet that are level.
+    assert whole[[0, -1]].sum() == pytest.approx(stones.weight[~stones.fixed].sum(), rel=1e-6)
+    for cuts in ([0.6], [0.3, 0.9], [0.5], [0.1, 0.35, 1.0]):
+        ends = [0.0, *cuts, 1.2]
+        assert sum(thrust(*pair) for pair in pairwise(ends)) == pytest.approx(whole, rel=1e-9)
