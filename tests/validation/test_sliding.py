@@ -422,6 +422,8 @@ def test_a_lower_state_that_is_nearly_as_exact_is_told() -> None:
     assert "by 1.3e-05 of the load factor, where 1e-05 is wanted" in nearly_words(centre)
     # Where nothing is certified, ten times the gap of what leads.
     assert nearly([centre, far, leader], replace(leader, converged=False, gap=9e-6)) == [centre, far]
+    # Without friction nothing holds.
+    assert nearly([centre, far], replace(leader, load_factor=0.0)) == []
     # Rounding alone moves a search by as much.
     assert nearly([centre], replace(leader, load_factor=0.2315)) == []
 

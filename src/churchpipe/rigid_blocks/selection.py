@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
 from churchpipe.model.names import NEARLY
 from churchpipe.model.results import StartRun
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SEARCH_SPREAD
@@ -49,20 +51,23 @@ def leading(runs: Sequence[StartRun]) -> int:
 
 def nearly(runs: Sequence[StartRun], leader: StartRun) -> list[StartRun]:
     """Return the runs not certified, but nearly as exact as the leader, that are lower by more than rounding moves a search."""
-    allowed = _NEARLY * max(BIPOTENTIAL_GAP, leader.gap / abs(leader.load_factor))
+    if not leader.load_factor:
+        return []
+    allowed = _NEARLY * max(BIPOTENTIAL_GAP, _share(leader))
     return [
         run
         for run in runs
-        if not run.converged
-        and run.gap <= allowed * abs(run.load_factor)
-        and (1.0 + SEARCH_SPREAD) * run.load_factor < leader.load_factor
+        if not run.converged and _share(run) <= allowed and (1.0 + SEARCH_SPREAD) * run.load_factor < leader.load_factor
     ]
 
 
 def nearly_words(run: StartRun) -> str:
     """Return what is said of such a run."""
-    missing = run.gap / abs(run.load_factor)
     return (
         f"the state at {run.load_factor:.4f} from the start {run.start} {NEARLY}: its forces and its motion miss each other by"
-        f" {missing:.1e} of the load factor, where {BIPOTENTIAL_GAP:.0e} is wanted, so do not count on more"
+        f" {_share(run):.1e} of the load factor, where {BIPOTENTIAL_GAP:.0e} is wanted, so do not count on more"
     )
+
+
+def _share(run: StartRun) -> float:
+    return run.gap / abs(run.load_factor) if run.load_factor else np.inf
