@@ -29,6 +29,7 @@ from .loading.ties import place_ties as place_ties
 from .loading.wrenches import loaded as loaded
 from .loading.wrenches import shell_loaded as shell_loaded
 from .match import match_models as match_models
+from .meshes.obj import write_obj as write_obj
 from .meshes.reader import read_stones as read_stones
 from .model.assemblage import Assemblage as Assemblage
 from .model.block_curve import BlockCapacityCurve as BlockCapacityCurve

@@ -307,7 +307,7 @@ def test_export_does_not_overwrite_the_drawing_of_a_case(capsys: pytest.CaptureF
     case = written(tmp_path, '[source]\ndxf = "stones.dxf"\n[[load]]\ndirection = [1, 0, 0]\n[material.default]\n' + WEIGHT)
     code, _, err = call(capsys, "export-dxf", case, "--out", tmp_path / "." / "stones.dxf")
     assert code == cli.USAGE
-    assert "the drawing that the case is made of; expected another name" in err
+    assert "the file that the case is made of; expected another name" in err
     assert drawing.read_bytes() == drawn
 
 

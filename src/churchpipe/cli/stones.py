@@ -1,6 +1,7 @@
-"""Commands of files of stones: import, check, export-dxf."""
+"""Commands of files of stones: import, check, export-dxf, export-obj."""
 
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -169,23 +170,12 @@ def export_dxf(
     changes: Changes = None,
 ) -> None:
     """Write the stones of a case as a DXF drawing, its materials and loads inside."""
-    from dataclasses import asdict
-
-    from churchpipe.config.case import Drawing, Generated, read_case
+    from churchpipe.config.case import Generated
     from churchpipe.dxf.writer import write_dxf
-    from churchpipe.meshes.reader import read_file
-    from churchpipe.stones.blocks import derive_blocks
 
     if drawing.suffix.lower() != ".dxf":
         raise UsageError(f"--out {drawing}", "not the name of a drawing", expected="a name that ends in .dxf")
-    read = read_case(case, changes or ())
-    if isinstance(read.source, Drawing) and drawing.exists() and drawing.samefile(read.source.path):
-        raise UsageError(f"--out {drawing}", "the drawing that the case is made of", expected="another name")
-    if isinstance(read.source, Generated):
-        stones = derive_blocks(read.building())
-    else:
-        weights = {material.name: material.unit_weight for material in read.materials}
-        stones = read_file(read.source.path, unit_weight=weights, **asdict(read.source.reading)).stones
+    read, stones = _stones_of(case, changes or (), drawing)
     carried = read.carries
     write_dxf(stones, drawing, materials=read.materials, loads=read.loads, ties=carried.ties, line_loads=carried.line_loads)
     out.print(f"{counted(int((~stones.fixed).sum()), 'stone')}: {drawing}", soft_wrap=True)
@@ -193,6 +183,41 @@ def export_dxf(
     left = [key for key in (*_UNDRAWN, *beams) if read.table.get(key)] + (["sweep"] if read.swept else [])
     if left:
         err.print(f"Not in the drawing, and the case's alone: {', '.join(left)}.", soft_wrap=True)
+
+
+@app.command("export-obj")
+def export_obj(
+    case: CaseFile,
+    mesh: Annotated[Path, out_option("The mesh to write.")],
+    changes: Changes = None,
+) -> None:
+    """Write the stones of a case as a mesh (Wavefront OBJ) for other programs: an object for each stone, in metres."""
+    from churchpipe.meshes.obj import write_obj
+
+    if mesh.suffix.lower() != ".obj":
+        raise UsageError(f"--out {mesh}", "not the name of a mesh", expected="a name that ends in .obj")
+    _, stones = _stones_of(case, changes or (), mesh)
+    write_obj(stones, mesh)
+    out.print(f"{counted(int((~stones.fixed).sum()), 'stone')}: {mesh}", soft_wrap=True)
+    told = "In the mesh are the stones, with the names of their walls and materials; all else is the case's alone."
+    err.print(told, soft_wrap=True)
+
+
+def _stones_of(path: Path, changes: Sequence[str], file: Path) -> tuple[Any, Any]:
+    """Return a case, and its stones with their ground, to be written to another file than they are from."""
+    from dataclasses import asdict
+
+    from churchpipe.config.case import Generated, read_case
+    from churchpipe.meshes.reader import read_file
+    from churchpipe.stones.blocks import derive_blocks
+
+    case = read_case(path, changes)
+    if isinstance(case.source, Generated):
+        return case, derive_blocks(case.building())
+    if file.exists() and file.samefile(case.source.path):
+        raise UsageError(f"--out {file}", "the file that the case is made of", expected="another name")
+    weights = {material.name: material.unit_weight for material in case.materials}
+    return case, read_file(case.source.path, unit_weight=weights, **asdict(case.source.reading)).stones
 
 
 def _list(findings: Any) -> None:

@@ -1,6 +1,5 @@
 """The bodies of a file to stones: parted, mended or refused, and every change told."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -17,7 +16,7 @@ from churchpipe.geometry.dissolve import dissolve
 from churchpipe.geometry.manifolds import manifold, polyhedron
 from churchpipe.geometry.mending import REPAIRS, SPLIT, WELDED, Mended, flat, mend
 from churchpipe.geometry.parts import parts_of
-from churchpipe.meshes.source import Body, Face, Source, left_out
+from churchpipe.meshes.source import GROUND, Body, Face, Source, left_out
 from churchpipe.model.arrays import FloatArray
 from churchpipe.wording import counted
 
@@ -30,8 +29,6 @@ AXES: Final[dict[str, FloatArray]] = {
     "-y": np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]]),
     "-x": np.array([[0, 0, 1.0], [0, 1.0, 0], [-1.0, 0, 0]]),
 }
-# The ground floor is a storey of the building.
-_GROUND = re.compile(r"(?!ground[\s_.-]*(floor|stor))(ground|support|foundation)s?(?![a-z])", re.IGNORECASE)
 CLOSED = "planar faces that close"
 # A ground of one face gets this part of its size as depth.
 PLATE = 0.1
@@ -115,7 +112,7 @@ def to_stones(
         body = item.body
         # A body of one of several files has the name of the file before its own.
         names = (body.name, body.name.rpartition("/")[2], body.material, *body.within)
-        by_name = any(map(_GROUND.match, names))
+        by_name = any(map(GROUND.match, names))
         fixed = body.fixed or by_name
         ground += [body.name or body.material] if by_name and not body.fixed else []
         shells: list[tuple[Mended, str]] = []

@@ -1,6 +1,7 @@
 """What a file of bodies says, before anything is judged or mended; and the opening of files."""
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +16,8 @@ from churchpipe.model.arrays import FloatArray, IntArray
 
 Face = tuple[int, ...]
 
+# How names begin by which a body is ground. The ground floor is a storey of the building.
+GROUND: Final = re.compile(r"(?!ground[\s_.-]*(floor|stor))(ground|support|foundation)s?(?![a-z])", re.IGNORECASE)
 # Kinds of lines, or files, that one finding names.
 MOST_NAMED: Final = 12
 

@@ -92,7 +92,7 @@ def test_version_and_help(capsys: pytest.CaptureFixture[str]) -> None:
     [
         ("churchpipe ru", ["run"]),
         ("churchpipe run --mod", ["--model"]),
-        ("churchpipe export", ["export-dxf"]),
+        ("churchpipe export", ["export-dxf", "export-obj"]),
         ("churchpipe generate chap", ["chapel", "chapel_variants"]),
         ("churchpipe run case.toml --model sh", ["shell"]),
     ],
@@ -229,6 +229,28 @@ def test_an_imported_case_is_exported_as_it_was_drawn(capsys: pytest.CaptureFixt
     assert f"{int((~first.fixed).sum())} stones" in out
     assert sorted(again.block_id) == sorted(first.block_id)
     assert again.volume.sum() == pytest.approx(first.volume.sum(), rel=1e-12)
+
+
+def test_a_case_is_exported_as_a_mesh_and_imported_again(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    call(capsys, "generate", "wall", "-o", tmp_path / "w.toml")
+    mesh = tmp_path / "new" / "w.obj"
+    code, out, err = call(capsys, "export-obj", tmp_path / "w.toml", "-o", mesh, "--set", "source.courses=10")
+    assert code == 0
+    assert err == "In the mesh are the stones, with the names of their walls and materials; all else is the case's alone.\n"
+    given = ("--unit-weight-kN-m3", "18", "--friction", "0.6", "--load", "+x")
+    code, _, _ = call(capsys, "import", mesh, "-o", tmp_path / "case", *given)
+    assert code == 0
+    generated = churchpipe.derive_blocks(read_case(tmp_path / "w.toml", ["source.courses=10"]).building())
+    read, _ = churchpipe.read_stones(tmp_path / "case" / "w.obj", unit_weight=18e3)
+    assert f"{int((~generated.fixed).sum())} stones" in out
+    assert sorted(read.block_id) == sorted(generated.block_id)
+    assert read.weight.sum() == pytest.approx(generated.weight.sum(), rel=1e-12)
+    code, _, err = call(capsys, "export-obj", tmp_path / "case" / "case.toml", "-o", tmp_path / "case" / "w.obj")
+    assert code == 2
+    assert "the file that the case is made of" in err
+    code, _, err = call(capsys, "export-obj", tmp_path / "w.toml", "-o", tmp_path / "w.stl")
+    assert code == 2
+    assert "expected a name that ends in .obj" in err
 
 
 def test_what_a_drawing_has_no_place_for_is_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 import json
 import re
 import zipfile
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
+from churchpipe.errors import InputError
 from churchpipe.findings import FindingsError
 from churchpipe.model.assemblage import Assemblage
 from mesh_files import METRES, WRITERS, solids, write_3dec, write_3dm, write_3mf, write_glb, write_obj, write_ply, write_stl
@@ -205,6 +207,47 @@ def test_any_axis_may_point_up(up: str, columns: list[int], signs: list[int], tm
     read, _ = cp.read_stones(path, up=up, unit_weight=18e3)
     np.testing.assert_allclose(read.centroid, stones.centroid, atol=1e-9)
     assert load_factor(read) == pytest.approx(load_factor(stones), rel=1e-6)
+
+
+def named(stones: Assemblage, **names: list[str]) -> Assemblage:
+    return replace(stones, **{key: np.array(value) for key, value in names.items()})
+
+
+@pytest.mark.parametrize("make", [wall, arch])
+def test_a_mesh_that_was_written_comes_back(make: Callable[[], Assemblage], tmp_path: Path) -> None:
+    stones = make()
+    cp.write_obj(stones, tmp_path / "new" / "stones.obj")
+    read, findings = cp.read_stones(tmp_path / "new" / "stones.obj", unit_weight=18e3)
+    # The unit, and the ground: by its group.
+    assert set(findings.codes) == {"W43", "W45"}
+    assert read.block_id.tolist() == stones.block_id.tolist()
+    assert read.fixed.tolist() == stones.fixed.tolist()
+    # To the last digit: the file has every corner as it is.
+    order = [np.lexsort(each.T) for each in (read.points, stones.points)]
+    np.testing.assert_array_equal(read.points[order[0]], stones.points[order[1]])
+    assert load_factor(read) == pytest.approx(load_factor(stones), rel=1e-9)
+
+
+def test_a_mesh_names_no_free_stone_as_ground(tmp_path: Path) -> None:
+    names = ["base", "foundation stone", "a#1", "a 1", *(f"s{k}" for k in range(9))]
+    walls, stuff = ["", *["ground floor"] * 6, *["support"] * 6], ["rock"] + ["foundation"] * 12
+    stones = named(wall(), block_id=names, panel=walls, material=stuff)
+    cp.write_obj(stones, tmp_path / "stones.obj")
+    read, _ = cp.read_stones(tmp_path / "stones.obj", unit_weight=18e3)
+    assert read.fixed.tolist() == stones.fixed.tolist()
+    assert read.block_id.tolist()[:4] == ["base", "stone foundation stone", "a 1", "a 1 (2)"]
+    assert set(read.material[~read.fixed]) == {"material foundation"}
+    text = (tmp_path / "stones.obj").read_text()
+    assert [text.count(f"g {panel}\n") for panel in ("ground", "ground floor", "panel support")] == [1, 6, 6]
+
+
+def test_a_mesh_that_cannot_be_written_is_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="write_obj: the file cannot be written"):
+        cp.write_obj(wall(), tmp_path)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="a file where a folder would be"):
+        cp.write_obj(wall(), tmp_path / "file" / "stones.obj")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
 
 
 def test_a_file_in_another_format_is_named_with_those_that_are_read(tmp_path: Path) -> None:
