@@ -253,6 +253,19 @@ def test_a_case_is_exported_as_a_mesh_and_imported_again(capsys: pytest.CaptureF
     assert "expected a name that ends in .obj" in err
 
 
+def test_a_fault_in_what_a_variant_bears_ends_a_run_before_it_begins(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    call(capsys, "generate", "box", "-o", tmp_path / "box.toml")
+    place = "along_m = 0.5, height_m = 2.5 }"
+    tie = f'[[ties]]\nname = "tie"\nstart = {{ wall = "south", {place}\nend = {{ wall = "north", {place}\n'
+    tie += "area_mm2 = 200\nsteel_strength_MPa = 235\nplate_mm = [200, 200]\n"
+    low = '[[variants]]\nname = "low"\nchange = { "ties.0.start.height_m" = 0.05, "ties.0.end.height_m" = 0.05 }\n'
+    (tmp_path / "box.toml").write_text((tmp_path / "box.toml").read_text() + tie + low)
+    code, out, err = call(capsys, "run", tmp_path / "box.toml", "-o", tmp_path / "run", "--dry-run")
+    assert (code, out) == (1, "")
+    assert 'with variant "low" of line' in err
+    assert "ties.0: tie tie: start: its plate overhangs the masonry" in err
+
+
 def test_what_a_drawing_has_no_place_for_is_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     call(capsys, "generate", "wall", "-o", tmp_path / "w.toml")
     more = '[[joints]]\nname = "damp"\nkind = "base"\nfriction = 0.3\n[[variants]]\nname = "dry"\nremove = ["joints.damp"]\n'
