@@ -245,11 +245,12 @@ def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record:
     ended, weighed = np.isfinite(found.load_factor), applied.candidates
     ranked = rank_ties(found, weighed, stones, joints, pushed, friction, cohesion, **options) if weighed and ended else ()
     known = found.flow == "associative" and ended and found.velocities.any()
-    rates = sensitivities(found, stones, joints, pushed) if known else None
+    model = table.get("contact_model", CONTACT_MODEL)
+    rates = sensitivities(found, stones, joints, pushed, contact_model=model) if known else None
     if rates and (best := table.get("verified_gains", 0)):
         rates = verify_gains(rates, stones, joints, pushed, friction, cohesion, best=best, **options)
     write_npz(state, found)
-    used, model = used_by(stones, materials), table.get("contact_model", CONTACT_MODEL)
+    used = used_by(stones, materials)
     write_record(record, record_of(found, load, used, model, applied.ties, ranked, rates, joints_of(table)))
 
 

@@ -1,33 +1,44 @@
 """What cohesion and weight would add to a load factor, wall by wall: from the mechanism found, and from new analyses."""
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, whole
+from churchpipe.model.arguments import check_kind, one_of, whole
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.gains import COHESION_MORE, WEIGHT_MORE, Sensitivities
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.motion import velocity_at
+from churchpipe.model.names import CONTACT_MODEL, ContactModel
 from churchpipe.model.results import LimitState
-from churchpipe.rigid_blocks.equilibrium import equilibrium
+from churchpipe.rigid_blocks.equilibrium import equilibrium, lateral_weight
 from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.rigid_blocks.torsion import friction_points
 
 # A mechanism does unit work with its own load, but for this: files keep fewer digits.
 _UNIT_WORK = 1e-3
 
 
-def sensitivities(state: LimitState, stones: Assemblage, contacts: Contacts, load: LoadCase) -> Sensitivities:
+def sensitivities(
+    state: LimitState,
+    stones: Assemblage,
+    contacts: Contacts,
+    load: LoadCase,
+    *,
+    contact_model: ContactModel = CONTACT_MODEL,
+) -> Sensitivities:
     """Return what cohesion and weight would add to the load factor of an associative analysis.
 
     By virtual work of the mechanism found, f_L . u = W, with velocities u and weight W: cohesion c on an area A adds
     c A |v_t| / W, v_t the rate at which it slides; weight G of stones that are pushed adds G (u_z - alpha d . u) / W, d the
-    direction of the load. The rates hold for small changes; a large one meets another mechanism, which makes less of it.
+    direction of the load. Of a load that grows with height d . u is the rate of the work of all that it pushes: more weight
+    changes the shares of all stones. The rates hold for small changes; a large one meets another mechanism, which makes less of
+    it.
 
     Parameters
     ----------
@@ -35,6 +46,8 @@ def sensitivities(state: LimitState, stones: Assemblage, contacts: Contacts, loa
         Of the analysis.
     stones, contacts, load
         Of that analysis. A load that grows with height pushes masses in the shares of the stones as they are.
+    contact_model
+        Of that analysis: where friction, and so cohesion, acts.
 
     Raises
     ------
@@ -46,6 +59,7 @@ def sensitivities(state: LimitState, stones: Assemblage, contacts: Contacts, loa
     check_kind("sensitivities: stones", stones, Assemblage)
     check_kind("sensitivities: contacts", contacts, Contacts)
     check_kind("sensitivities: load", load, LoadCase)
+    one_of("sensitivities: contact_model", contact_model, *get_args(ContactModel))
     check_contacts_of(stones, contacts)
     check_state_of("sensitivities", state, stones, contacts, load)
     if state.flow != "associative" or not np.isfinite(state.load_factor) or not state.velocities.any():
@@ -54,20 +68,33 @@ def sensitivities(state: LimitState, stones: Assemblage, contacts: Contacts, loa
     weight = float(stones.weight.sum())
     interface = contacts.interface_of_point
     first, second = contacts.blocks[interface].T
-    jump = velocity_at(stones, state.velocities, second, contacts.point) - velocity_at(
-        stones, state.velocities, first, contacts.point
-    )
+    place = friction_points(contacts) if contact_model == "torsion" else contacts.point
+    jump = velocity_at(stones, state.velocities, second, place) - velocity_at(stones, state.velocities, first, place)
     slip = np.linalg.norm(np.einsum("pac,pc->pa", contacts.frame[interface][:, 1:], jump), axis=1)
     mean = np.bincount(interface, slip, len(contacts.area)) / np.maximum(contacts.points_per_interface, 1)
     joint = contacts.area * mean / weight
     free = ~stones.fixed
     panel, which = np.unique(stones.panel[free], return_inverse=True)
     cohesion = np.array([joint @ _share(stones, contacts, name) for name in panel.tolist()])
-    pushed = np.ones(stones.count) if load.panels is None else np.isin(stones.panel, load.panels).astype(np.float64)
-    gain = state.velocities[:, 2] - state.load_factor * pushed * (state.velocities[:, :3] @ load.direction)
+    gain = state.velocities[:, 2] - state.load_factor * _pushed(stones, load, state.velocities[:, :3] @ load.direction)
     volume = np.where(free, stones.volume, 0.0)[free]
     spread = volume / np.bincount(which.ravel(), volume)[which.ravel()]
     return Sensitivities(panel, cohesion, np.bincount(which.ravel(), spread * gain[free], len(panel)) / weight, joint)
+
+
+def _pushed(stones: Assemblage, load: LoadCase, along: FloatArray) -> FloatArray:
+    """Return the work (nb,) that a load does more at a load factor of one, for each newton more of a stone; along (nb,): the way
+    of each along the load.
+
+    Of f_i = W_i z_i (sum W) / (sum W z) = W_i s_i, which a newton more of stone k changes by s_k itself, and all others by
+    (1 - s_k) / sum W of what they are; where all are pushed alike, s is 1.
+    """
+    if not load.direction.any():
+        return np.zeros(stones.count)
+    lateral = lateral_weight(stones, load)
+    chosen = np.ones(stones.count) if load.panels is None else np.isin(stones.panel, load.panels).astype(np.float64)
+    share = np.divide(lateral, stones.weight, out=np.zeros(stones.count), where=stones.weight > 0)
+    return share * along + chosen * (1.0 - share) * float(lateral @ along) / float(lateral.sum())
 
 
 def check_state_of(where: str, state: LimitState, stones: Assemblage, contacts: Contacts, load: LoadCase) -> None:
