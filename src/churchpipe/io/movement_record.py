@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from churchpipe.io.records import Strength, common
-from churchpipe.model.arrays import FloatArray, NameArray
+from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.joint_group import JointGroup
@@ -139,11 +139,10 @@ def widest_cracks(stones: Assemblage, contacts: Contacts, opening: FloatArray, s
 
     A joint between two walls counts for both.
     """
-    walls: list[NameArray] = [stones.panel[side] for side in contacts.blocks.T]
-    ground = stones.fixed[contacts.blocks].all(axis=1)
     out: list[Crack] = []
     for name in np.unique(stones.panel[~stones.fixed]).tolist():
-        mine = ((walls[0] == name) | (walls[1] == name)) & ~ground
+        # Ground may have the name of a wall, or none as stones of no wall have none.
+        mine = ((stones.panel == name) & ~stones.fixed)[contacts.blocks].any(axis=1)
         if mine.any():
             out.append(Crack(str(name), float(opening[mine].max()), float(slip[mine].max())))
     return sorted(out, key=lambda crack: -crack.opening)

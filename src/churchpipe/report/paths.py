@@ -96,8 +96,8 @@ def _part_way(displacement: FloatArray, share: float) -> int:
 
 
 def _widest(stones: Assemblage, contacts: Contacts, opening: FloatArray, wall: str) -> float:
-    """Return the widest opening, m, of the joints between stones of a wall."""
-    own = (stones.panel[contacts.blocks] == wall).all(axis=1)
+    """Return the widest opening, m, of the joints of a wall, those with its neighbours and with the ground among them."""
+    own = ((stones.panel == wall) & ~stones.fixed)[contacts.blocks].any(axis=1)
     return float(opening[own].max(initial=0.0))
 
 

@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import churchpipe as cp
 from churchpipe.errors import InputError
 from churchpipe.io.atomic import canonical_json, write_json
+from churchpipe.io.movement_record import widest_cracks
 from churchpipe.io.recording import shell_record_of
 from churchpipe.io.records import Analysis, read_record, write_record
 from churchpipe.io.summary import read_summary
@@ -23,6 +25,7 @@ from churchpipe.model.materials import Material
 from churchpipe.model.quantities import as_read, as_written, declared
 from churchpipe.model.results import CapacityCurve, CapacityStep
 from records import EMPTY, analysis
+from solids import box, on_ground
 
 ASSOCIATIVE = replace(
     analysis(flow="associative", contact_model="corners", friction={"tuff": 0.6, "brick": 0.5}, cohesion_kPa=2.5, iterations=17),
@@ -154,3 +157,12 @@ def test_columns_of_the_table_are_keys_of_a_record() -> None:
     # A unit that changes in the record changes here, too.
     known = {item.key for kind in (Analysis, SafetyCheck) for item in declared(kind).values()}
     assert set(COLUMNS) <= known
+
+
+def test_ground_is_no_wall_whatever_its_name() -> None:
+    # Stones of no wall have no name, as ground of a drawing has none: the joints of a wall with it are of that wall alone.
+    stones = replace(on_ground(box((0, 1), (0, 1), (0, 1)), box((3, 4), (0, 1), (0, 1))), panel=np.array(["", "wall", ""]))
+    contacts = cp.find_contacts(stones)
+    opening = np.where((contacts.blocks == 1).any(axis=1), 2e-3, 1e-3)
+    found = widest_cracks(stones, contacts, opening, 2 * opening)
+    assert [(crack.wall, crack.opening, crack.slip) for crack in found] == [("wall", 2e-3, 4e-3), ("", 1e-3, 2e-3)]

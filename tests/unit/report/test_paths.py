@@ -84,3 +84,15 @@ def test_joints_that_open_by_rounding_alone_have_no_map(curve: cp.BlockCapacityC
     lifted = curve.position[:1] + 1e-9 * np.arange(STONES.count)[None, :, None]
     shut = replace(curve, position=np.repeat(lifted, len(curve.position), axis=0), rotation=np.zeros_like(curve.rotation))
     assert not crack_maps(STONES, CONTACTS, [(RECORD, shut)])
+
+
+def test_crack_maps_show_walls_that_open_at_their_ground_alone() -> None:
+    # A post of one stone turns over beside a pier that stands: all that opens is the joint below it.
+    post = box((3, 3.3), (0, 1), (0, 2))
+    pier = [box((0, 0.4), (0, 1), (i / 2, (i + 1) / 2)) for i in range(4)]
+    stones = replace(on_ground(post, *pier), panel=np.array(["ground", "post", *["pier"] * 4]))
+    contacts = cp.find_contacts(stones)
+    curve = cp.block_pushover(stones, contacts, cp.LoadCase((1, 0, 0)), 0.6, step=0.02)
+    assert curve.initial == pytest.approx(0.15, rel=1e-6)
+    ((words, _),) = crack_maps(stones, contacts, [(RECORD, curve)])
+    assert "post" in words
