@@ -18,7 +18,7 @@ def write_shell_mechanism(path: str | Path, shell: ShellModel, state: ShellLimit
     """Write the facets with the motion and the plastic strain of an analysis."""
     motion = {"velocity": state.velocities} if isinstance(state, ShellLimitState) else {"displacement": state.displacement}
     strain = {"plastic_membrane": state.plastic[:, :3], "plastic_curvature": state.plastic[:, 3:]}
-    write_shell_vtu(path, shell, motion | strain)
+    _write(path, shell, motion, strain)
 
 
 def write_shell_vtu(path: str | Path, shell: ShellModel, fields: Mapping[str, npt.ArrayLike] | None = None) -> None:
@@ -30,20 +30,21 @@ def write_shell_vtu(path: str | Path, shell: ShellModel, fields: Mapping[str, np
 
     Parameters
     ----------
-    fields: further data by name, one row a node or one a facet: point or cell data.
+    fields: further data by name, one row a node or one a facet: point or cell data; point data where there are as many of both.
 
     Raises
     ------
     InputError: a field with another number of rows.
     """
-    point_data, cell_data = _data(shell)
+    of_nodes: dict[str, Any] = {}
+    of_facets: dict[str, Any] = {}
     for name, given in (fields or {}).items():
         values = np.asarray(given)
         rows = len(values) if values.ndim else 0
         if rows == len(shell.points):
-            point_data[name] = values
+            of_nodes[name] = values
         elif rows == len(shell.triangles):
-            cell_data[name] = values
+            of_facets[name] = values
         else:
             raise InputError(
                 f"field {name}",
@@ -51,7 +52,13 @@ def write_shell_vtu(path: str | Path, shell: ShellModel, fields: Mapping[str, np
                 found=rows,
                 expected=f"{len(shell.points)} (nodes) or {len(shell.triangles)} (facets)",
             )
-    write_named(path, _mesh(shell, point_data, cell_data), {"panel_name": shell.panel, "material_name": shell.material})
+    _write(path, shell, of_nodes, of_facets)
+
+
+def _write(path: str | Path, shell: ShellModel, of_nodes: Mapping[str, Any], of_facets: Mapping[str, Any]) -> None:
+    point_data, cell_data = _data(shell)
+    mesh = _mesh(shell, point_data | dict(of_nodes), cell_data | dict(of_facets))
+    write_named(path, mesh, {"panel_name": shell.panel, "material_name": shell.material})
 
 
 def write_shell_msh(path: str | Path, shell: ShellModel) -> None:

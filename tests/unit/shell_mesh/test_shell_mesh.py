@@ -18,10 +18,11 @@ from scipy.spatial import cKDTree
 from churchpipe.bond.voussoir import ring_outline
 from churchpipe.errors import InputError
 from churchpipe.generators import arch, box, prototype, wall
-from churchpipe.io.shell_vtu import write_shell_msh, write_shell_vtu
+from churchpipe.io.shell_vtu import write_shell_mechanism, write_shell_msh, write_shell_vtu
 from churchpipe.match import boundary_edges
 from churchpipe.model.building import BondRegion, Building, CylinderChart, Opening, Panel, Part, PlaneChart, UnitCell
 from churchpipe.model.materials import Material
+from churchpipe.model.results import ShellLimitState
 from churchpipe.shell_mesh.shell import derive_shell
 from churchpipe.stones.blocks import derive_blocks
 from models import S5, S22
@@ -343,6 +344,32 @@ def test_vtu_and_msh_carry_the_bed_direction(tmp_path):
     np.testing.assert_array_equal(grid["plastic"], shell.area)
     assert grid["panel_name"].tolist() == shell.panel.tolist()
     assert sorted(p.name for p in tmp_path.iterdir()) == ["shell.msh", "shell.vtu"]
+
+
+def test_the_strain_of_as_many_facets_as_nodes_is_one_of_facets(tmp_path):
+    shell = derive_shell(wall(length=1.5, brick=(0.5, 0.3, 0.25), courses=4), 0.5)
+    more = len(shell.triangles) - len(shell.points)
+    assert more > 0
+    # Some facets get a corner of their own.
+    apart, triangles = shell.triangles[:more, 0], shell.triangles.copy()
+    triangles[:more, 0] = len(shell.points) + np.arange(more)
+    points, supported = (np.concatenate([part, part[apart]]) for part in (shell.points, shell.supported))
+    shell = replace(shell, points=points, supported=supported, triangles=triangles)
+    state = ShellLimitState(
+        load_factor=0.3,
+        status="optimal",
+        lower_bound=0.3,
+        upper_bound=0.3,
+        stress=np.zeros((0, 6)),
+        velocities=points,
+        edge_rotation=np.zeros(0),
+        plastic=np.arange(6.0 * len(points)).reshape(-1, 6),
+    )
+    write_shell_mechanism(tmp_path / "mechanism.vtu", shell, state)
+    grid = pyvista.read(tmp_path / "mechanism.vtu")
+    np.testing.assert_array_equal(grid.point_data["velocity"], points)
+    np.testing.assert_array_equal(grid.cell_data["plastic_membrane"], state.plastic[:, :3])
+    np.testing.assert_array_equal(grid.cell_data["plastic_curvature"], state.plastic[:, 3:])
 
 
 def test_a_field_of_another_length_is_an_error(tmp_path):
