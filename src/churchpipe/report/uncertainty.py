@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.io.sample_study import Asked, Mechanism, SampledAnalysis, SampleStudy
+from churchpipe.model.arrays import FloatArray
 from churchpipe.model.quantities import GRAVITY
 from churchpipe.report import colours
 from churchpipe.report.plots import new_panels, svg_of_panels
@@ -19,6 +20,7 @@ _SHOWN = 3
 _SAME, _AROUND = 1e-6, 0.1
 # Parameters whose rank correlation is below this share are no more than the noise of some hundred samples.
 _NOISE = 0.1
+_FALLEN = "falls under its own weight"
 _HEADINGS = ("as it is", "mean", "CoV", "5 %", "median", "95 %")
 
 
@@ -143,18 +145,30 @@ def _mechanism(kind: Mechanism) -> tuple[str, str, str, str]:
 
 
 def _by_mechanism(one: SampledAnalysis) -> list[tuple[str, Any, Any]]:
-    """Return name, colour and samples of each mechanism, the most frequent first; where a load factor is finite."""
+    """Return name, colour and samples of each mechanism, the most frequent first, where a load factor is finite; last those that
+    fall under their own weight."""
     names, values = one.mechanism_of, np.array(one.load_factors)
     kinds = [kind.moves for kind in one.mechanisms] or [""]
     colour = (colours.PANELS[number % len(colours.PANELS)] for number in range(len(kinds)))
-    chosen = [np.array([name == kind for name in names]) & np.isfinite(values) for kind in kinds]
-    return list(zip(kinds, colour, chosen, strict=True))
+    chosen = [np.array([name == kind for name in names]) & np.isfinite(values) & (values > 0) for kind in kinds]
+    fallen = [(_FALLEN, colours.ALARM, values == 0)] if (values == 0).any() else []
+    return [*zip(kinds, colour, chosen, strict=True), *fallen]
+
+
+def lognormal(one: SampledAnalysis, demand: FloatArray) -> FloatArray:
+    """Return the probability (n,) that a sample bears less than demands (n,), its load factor lognormal where it has one above 0;
+    some may not bear their own weight, and some any load.
+    """
+    from scipy.stats import norm
+
+    values = np.array(one.load_factors)
+    nothing, limited = int((values == 0).sum()), int((np.isfinite(values) & (values > 0)).sum())
+    logarithm = np.log(np.maximum(demand / one.median, np.finfo(float).tiny))
+    return np.asarray((nothing + limited * norm.cdf(logarithm / one.dispersion)) / one.count)
 
 
 def _spread_svg(one: SampledAnalysis) -> str:
     """Return an SVG: load factors by mechanism, and the fragility curve with its band."""
-    from scipy.stats import norm
-
     left, right = new_panels(2, (4.7, 3.2))
     kinds, values = _by_mechanism(one), np.array(one.load_factors)
     groups = [values[chosen] for _, _, chosen in kinds]
@@ -180,8 +194,7 @@ def _spread_svg(one: SampledAnalysis) -> str:
     right.plot(curve.demand, curve.probability, color=colours.PUSH, lw=1.6, label="samples")
     if one.dispersion > 0:
         smooth = np.linspace(curve.demand[0], curve.demand[-1], 200)
-        share = norm.cdf(np.log(smooth / one.median) / one.dispersion)
-        right.plot(smooth, share, color=colours.ALARM, lw=1, ls="--", label="lognormal")
+        right.plot(smooth, lognormal(one, smooth), color=colours.ALARM, lw=1, ls="--", label="lognormal")
     for asked in one.demands:
         right.plot(asked.demand, asked.probability, "o", ms=4, color=colours.INK)
     right.set_xlabel("load factor asked")

@@ -11,7 +11,7 @@ from churchpipe.io.atomic import canonical_json
 from churchpipe.io.sample_study import Sample, SampleStudy, sample_study
 from churchpipe.model.quantities import as_read, as_written
 from churchpipe.report.table import Row
-from churchpipe.report.uncertainty import uncertainty_lines, uncertainty_section
+from churchpipe.report.uncertainty import lognormal, uncertainty_lines, uncertainty_section
 from records import analysis
 
 PARAMETER = {
@@ -90,3 +90,27 @@ def test_the_terminal_says_it_in_sentences(study: tuple[SampleStudy, list[Row]])
     assert "1 of 40 samples could not be built; the first: a door beyond its wall" in text
     assert uncertainty_section(None, []) is None
     assert uncertainty_lines(None, []) == []
+
+
+def test_samples_that_fall_under_their_own_weight_or_bear_anything_are_in_the_lognormal_curve() -> None:
+    # Of ten samples two fall, with load factors of zero, one bears any load, and seven are spread about their median.
+    friction, factors = np.linspace(0.3, 0.75, 10), [0.0, 0.0, *np.exp(np.linspace(-2.0, -1.4, 7)).tolist(), np.nan]
+    ends = ["unstable"] * 2 + ["optimal"] * 7 + ["unbounded"]
+    asis = analysis(name="+x", load="+x", load_factor=0.2)
+    made = {
+        f"{number}": Sample((replace(asis, load_factor=factor or np.nan, status=status, mechanism="apse" if factor else "nave"),))
+        for number, (factor, status) in enumerate(zip(factors, ends, strict=True))
+    }
+    sample = {
+        "settings": {"number": 10, "seed": 0, "method": "sobol", "parameters": [PARAMETER], "demands": []},
+        "names": list(made),
+        "points": {"material.default.friction": friction.tolist()},
+    }
+    study = as_read(SampleStudy, json.loads(canonical_json(as_written(sample_study(sample, made, [asis]), defaults=False))))
+    (one,) = study.analyses
+    assert one.median == pytest.approx(np.exp(-1.7))
+    assert lognormal(one, np.array([0.0, one.median, 1e9])) == pytest.approx([0.2, 0.2 + 0.7 / 2, 0.9])
+    section = uncertainty_section(study, [Row(asis)])
+    assert section is not None
+    # All finite load factors are in the histogram.
+    assert "falls under its own weight" in section["shown"][0]["spread"]
