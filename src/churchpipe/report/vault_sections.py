@@ -57,11 +57,17 @@ def _section(stones: Assemblage, contacts: Contacts, row: Row, panel: str, acros
     # Across a barrel; of a dome along x.
     direction = (1.0, 0.0) if dome else (float(abs(axes[0, 1])), float(axes[1, 1] * np.sign(axes[0, 1] or 1.0)))
     mine = stones.panel == panel
-    through, width = _middle(stones, mine), _stone_length(stones, mine)
-    if dome and (span := _crossed(stones, contacts, mine, through)) is not None:
-        # Along its middle a barrel has hardly a bed; at its end it is a whole arch.
+    through = _middle(stones, mine)
+    span = _crossed(stones, contacts, mine, through) if dome else None
+    if span is not None:
         dome, direction = False, (float(span[0]), float(span[1]))
-        beside = np.array([-span[1], span[0]])
+    beside = np.array([-direction[1], direction[0]])
+    # Stones of a dome are long around its middle.
+    arm = stones.centroid[:, :2] - through
+    round_it = dome & (np.linalg.norm(arm, axis=1) > 1e-6 * stones.size)
+    width = _stone_length(stones, mine, np.where(round_it[:, None], np.stack([-arm[:, 1], arm[:, 0]], axis=1), beside))
+    if span is not None:
+        # Along its middle a barrel has hardly a bed; at its end it is a whole arch.
         through = through + (np.max((_corners(stones, mine) - through) @ beside) - width / 2) * beside
     place = (float(through[0]), float(through[1]))
     try:
@@ -81,10 +87,10 @@ def _section(stones: Assemblage, contacts: Contacts, row: Row, panel: str, acros
             (str(number), *(figure(value, 2) for value in values))
             for number, *values in zip(force.course.tolist(), *columns, strict=True)
         )
-    return VaultSection(f"{panel}: {row.label}", drawing, _words(line), rings)
+    return VaultSection(f"{panel}: {row.label}", drawing, _words(line, width), rings)
 
 
-def _words(line: ThrustLine) -> str:
+def _words(line: ThrustLine, width: float) -> str:
     share = np.abs(line.eccentricity) / np.maximum(line.half, np.finfo(float).tiny)
     hinges = int((share > HINGE).sum())
     edge = (
@@ -93,7 +99,8 @@ def _words(line: ThrustLine) -> str:
         else f"it comes within {100 * (1 - share.max()):.0f} % of an edge"
     )
     joints = counted(len(line.force), "joint")
-    return f"Thrust in {joints} of the section, {figure(line.force.max() / 1e3, 2)} kN at most; {edge}."
+    most = f"{figure(line.force.max() / 1e3, 2)} kN at most in a strip of {figure(width, 2)} m"
+    return f"Thrust in {joints} of the section, {most}; {edge}."
 
 
 def _crossed(stones: Assemblage, contacts: Contacts, mine: BoolArray, middle: FloatArray) -> FloatArray | None:
@@ -120,7 +127,10 @@ def _corners(stones: Assemblage, mine: BoolArray) -> FloatArray:
     return stones.points[np.repeat(mine, np.diff(stones.block_point_ptr)), :2]
 
 
-def _stone_length(stones: Assemblage, mine: BoolArray) -> float:
+def _stone_length(stones: Assemblage, mine: BoolArray, way: FloatArray) -> float:
+    """Return the median length, m, of some stones (nb,), each along its own way in plan (nb, 2)."""
     first = stones.block_point_ptr[:-1]
-    size = np.maximum.reduceat(stones.points, first) - np.minimum.reduceat(stones.points, first)
-    return float(np.median(size[mine][:, :2].max(axis=1)))
+    unit = way / np.linalg.norm(way, axis=1, keepdims=True)
+    place = (stones.points[:, :2] * np.repeat(unit, np.diff(stones.block_point_ptr), axis=0)).sum(axis=1)
+    size = np.maximum.reduceat(place, first) - np.minimum.reduceat(place, first)
+    return float(np.median(size[mine]))
