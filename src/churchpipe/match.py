@@ -140,7 +140,8 @@ def match_models(
 
 
 def _beam(stones: Assemblage, shell: ShellModel, number: int) -> tuple[Figure, ...]:
-    """Compare a ring beam or slab: weight, centroid, and how far in plan the nodes that it holds end from its own ends."""
+    """Compare a ring beam or slab: weight, centroid, and how far in plan the nodes that it holds end from its own ends, along the
+    largest of its walls and across it."""
     name = str(shell.beams.name[number])
     own = np.flatnonzero(stones.panel == name)
     weight = float(stones.weight[own].sum())
@@ -150,7 +151,8 @@ def _beam(stones: Assemblage, shell: ShellModel, number: int) -> tuple[Figure, .
     centre = stones.weight[own] @ stones.centroid[own] / weight
     points = stones.points[np.isin(np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr)), own), :2]
     held = shell.beams.of_node == number
-    below = shell.points[held, :2]
+    along = _along_walls(shell, held[shell.triangles].any(axis=1))
+    points, below = points @ along, shell.points[held, :2] @ along
     apart = float(np.linalg.norm(centre - shell.beams.centroid[number])) / stones.size
     ends = [np.concatenate([part.min(axis=0), part.max(axis=0)]) for part in (points, below)]
     # Mid-planes lie half a thickness within the faces of their walls, where other walls cross them or beside them; beams that
@@ -162,6 +164,15 @@ def _beam(stones: Assemblage, shell: ShellModel, number: int) -> tuple[Figure, .
         Figure(f"height of {name}", float(centre[2]), float(shell.beams.centroid[number, 2]), "m", apart, CENTROID),
         Figure(f"length of {name}", length, of_shell, "m", float(np.abs(ends[0] - ends[1]).max()), room),
     )
+
+
+def _along_walls(shell: ShellModel, facets: BoolArray) -> FloatArray:
+    """Return the directions (2, 2) in plan, as columns, along the largest panel of these facets (nt,) and across it."""
+    panel, number = np.unique(shell.panel[facets], return_inverse=True)
+    largest = panel[np.argmax(np.bincount(number.ravel(), shell.area[facets]))]
+    normal = shell.axes[np.flatnonzero(facets & (shell.panel == largest))[0], 2, :2]
+    x, y = normal / max(float(np.linalg.norm(normal)), np.finfo(float).tiny)
+    return np.array([[-y, x], [x, y]])
 
 
 def _carried(stones: Assemblage, shell: ShellModel, number: int, loads: PlacedLoads) -> list[Figure]:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
+from churchpipe.match import Figure
+from churchpipe.model.building import PlaneChart
 from churchpipe.model.shell_beams import ShellBeams
 from shell_meshes import grid, joined_walls, shell, wall_points
 from solids import box
@@ -137,6 +139,31 @@ def test_the_gate_sees_what_a_beam_holds() -> None:
     for wrong, name in ((heavier, "weight of beam"), (shorter, "length of beam")):
         bad = [figure.name for figure in cp.match_models(stones, contacts, wrong).figures if not figure.passed]
         assert any(one.startswith(name) for one in bad)
+
+
+@pytest.mark.parametrize("degrees", [20.0, 45.0])
+@pytest.mark.parametrize("kind", [{"closed": True}, {"slab": True}, {}])
+def test_the_gate_measures_beams_along_their_walls(kind: dict[str, bool], degrees: float) -> None:
+    given = cp.read_case("pipeline/cases/box.toml").building()
+    angle, found = np.radians(degrees), list[Figure]()
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    walls = tuple(panel.name for panel in given.panels)
+    beam = cp.RingBeam(walls if kind else walls[:1], 0.05, **kind)
+    for rotation, shift in ((np.eye(3), 0.0), (turn, np.array([100.0, -50.0, 0.0]))):
+        charts = [
+            replace(panel.chart, origin=panel.chart.origin @ rotation.T + shift, s_axis=panel.chart.s_axis @ rotation.T)
+            for panel in given.panels
+            if isinstance(panel.chart, PlaneChart)
+        ]
+        panels = tuple(replace(panel, chart=chart) for panel, chart in zip(given.panels, charts, strict=True))
+        building = replace(given, panels=panels, ring_beams=(beam,))
+        stones = cp.derive_blocks(building)
+        match = cp.match_models(stones, cp.find_contacts(stones), cp.derive_shell(building, 0.6))
+        assert match.passed
+        found += [figure for figure in match.figures if figure.name.startswith("length of")]
+    straight, turned = found
+    for key in ("stones", "shell", "difference"):
+        assert getattr(turned, key) == pytest.approx(getattr(straight, key), abs=1e-6)
 
 
 def test_a_capacity_curve_with_a_beam_ends_at_its_load_factor() -> None:
