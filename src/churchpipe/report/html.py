@@ -107,7 +107,7 @@ def write_report(
             key_to_loads=key_to_loads(loads, beams=bool(ring_beams(stones).any())),
             material_headings=MATERIAL_HEADINGS,
             materials=material_rows(stones, materials, [row.record.swept for row in rows]),
-            facts=_facts(summary.geometries.get(geometry or "", summary), summary.shell, stones),
+            facts=_facts(summary.geometries.get(geometry or "", summary), _mesh_size(summary, list(meshes)), stones),
             kinds=_interface_kinds(contacts),
             joints=joint_lines(*joint_account(stones, contacts)),
             gaps=gaps_svg(contacts),
@@ -177,6 +177,11 @@ def _elsewhere(summary: Summary, here: str) -> list[tuple[str, str]]:
     return [(called.get(name, name), link_to(here, name, names[0])) for name in names if name != here]
 
 
+def _mesh_size(summary: Summary, meshes: Sequence[str]) -> ShellSize | None:
+    """Return the size of the first of a report's meshes; those of other geometries have others."""
+    return next((summary.shells[name] for name in meshes if name in summary.shells), None if summary.shells else summary.shell)
+
+
 def _facts(found: Size, shell: ShellSize | None, stones: Assemblage) -> list[tuple[str, str]]:
     free = stones.points[~stones.fixed[stone_of_point(stones)]]
     size = " \u00d7 ".join(amount(float(length), 2) for length in np.ptp(free, axis=0))
@@ -234,7 +239,7 @@ def _convergence(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
 
 
 def _loading(row: Row) -> tuple[str, ...]:
-    return row.variant, row.load, friction_text(row), str(swept(row))
+    return row.variant, row.load, friction_text(row), str(swept(row)), str(row.record.contact_model)
 
 
 def _viewer_data(
@@ -284,9 +289,10 @@ def _pictures(
                 carried = applied.get(row.record.name)
                 jobs.append((mechanism_picture, (stones, np.nan_to_num(row.state.velocities), file, push, carried)))
             elif row.shell:
-                beside = rows[max(both.partner(row, rows), 0)].state if rows else None
-                still = np.zeros((stones.count, 6))
-                moved = np.nan_to_num(beside.velocities) if beside else still
+                place = both.partner(row, rows)
+                # The side is chosen by what moves in the stones, in another analysis where none asks the same.
+                seen, beside = (rows[max(place, 0)].state if rows else None), (rows[place].state if place >= 0 else None)
+                moved = np.nan_to_num(seen.velocities) if seen else np.zeros((stones.count, 6))
                 mesh, state = meshes[row.shell[0]], row.shell[1]
                 scene = (mesh, motion_of(state), np.nan_to_num(state.plastic))
                 toward = viewpoint(stones, moved)
