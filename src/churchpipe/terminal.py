@@ -288,7 +288,7 @@ def remarks(summary: Summary) -> list[str]:
     """Return what stands under the table: joints and near misses, the gate, which load factor to use and why, doubtful input;
     before it what samples say."""
     from churchpipe.compare import account_of_joints
-    from churchpipe.report.table import Row
+    from churchpipe.report.table import Row, named_of
     from churchpipe.report.uncertainty import uncertainty_lines
 
     analyses = summary.analyses
@@ -303,7 +303,8 @@ def remarks(summary: Summary) -> list[str]:
         *(_movement(one) for one in summary.movements),
         *summary.guidance,
         *(
-            " ".join(said for said in (f"Load {one.load}:", check.unproved, check.halved, check.lost_seat, check.governs) if said)
+            f"{named_of(f'Load {one.load}', one.variant, one.swept)}: "
+            + " ".join(said for said in (check.unproved, check.halved, check.lost_seat, check.governs) if said)
             for one in analyses
             if isinstance(check := one.check, DisplacementCheck)
             if check.governs

@@ -8,7 +8,8 @@ import pytest
 from rich.console import Console
 
 from churchpipe.mechanism import Part
-from churchpipe.terminal import mechanism_table, results_table, runs_table
+from churchpipe.model.checks import DisplacementCheck
+from churchpipe.terminal import mechanism_table, remarks, results_table, runs_table
 from records import analysis, summary
 
 MOVING = (Part("nave_left", 2e4, 1.0, 0.5, 0.75),)
@@ -45,3 +46,11 @@ def test_a_long_name_of_a_run_is_whole(tmp_path: Path) -> None:
     (tmp_path / name).mkdir()
     (tmp_path / name / "plan.json").write_text("{}")
     assert "…" not in shown(runs_table(tmp_path), 60)
+
+
+def test_the_checks_of_curves_of_one_load_are_told_apart() -> None:
+    governs = DisplacementCheck(governs="The displacement-based check governs.")
+    swept = analysis(method="curve", swept={"material.default.friction": 0.5})
+    records = [replace(one, check=governs) for one in (analysis(method="curve"), analysis(method="curve", variant="tied"), swept)]
+    said = [line for line in remarks(replace(summary(), analyses=tuple(records))) if "governs" in line]
+    assert [line.partition(": ")[0] for line in said] == ["Load +x", "Load +x, tied", "Load +x, friction 0.5"]

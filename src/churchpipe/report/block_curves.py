@@ -69,9 +69,9 @@ def _svg(records: Sequence[Analysis], shells: Sequence[Analysis]) -> str:
 
 
 def curve_label(record: Analysis) -> str:
-    """Return what tells a curve from others of its load: what was swept, or its friction."""
+    """Return what tells a curve from others of its load: its variant of the building, and what was swept, or its friction."""
     swept = [f"{key.rpartition('.')[2]} = {value}" for key, value in record.swept.items()]
-    return ", ".join(swept) or f"friction {by_material(record.friction)}"
+    return ", ".join([*([record.variant] if record.variant else []), *(swept or [f"friction {by_material(record.friction)}"])])
 
 
 def _of_shell(record: Analysis) -> str:

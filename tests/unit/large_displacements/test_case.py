@@ -136,6 +136,10 @@ def test_the_report_shows_each_load_once(curve: BlockCapacityCurve) -> None:
     assert sentences[1].endswith("not followed further. On the way fell a7 (at 100 mm).")
     assert block_curve_plots([record], "other") == []
     assert "no equilibria" not in plot
+    # Variants of one geometry are in one plot.
+    ((_, plot, sentences),) = block_curve_plots([record, replace(record, variant="tied")], None)
+    assert [sentence.partition(":")[0] for sentence in sentences] == ["friction 0.6", "tied, friction 0.6"]
+    assert ">tied, friction 0.6<" in plot
     jumping = replace(curve, misfit=np.where(np.arange(len(curve.misfit)) == 2, 3.0, 0.0))
     assert curve_record_of(curve, BLOCK, PUSH, [DRY]).no_equilibria == ()
     jumped = curve_record_of(jumping, BLOCK, PUSH, [DRY])
