@@ -199,6 +199,19 @@ def test_a_stone_is_found_by_its_name_and_marked(page: Page) -> None:
     told = page.inner_text("#viewer-picked")
     page.locator("#viewer-amplitude").fill("90")
     assert page.inner_text("#viewer-picked") != told
+    # The largest displacement is that of the fastest stone.
+    fastest = page.evaluate(
+        """(() => {
+            const data = JSON.parse(document.getElementById('viewer-data').textContent);
+            const bytes = Uint8Array.from(atob(data.analyses[0].speed), (letter) => letter.charCodeAt(0));
+            const speed = new Float32Array(bytes.buffer);
+            return data.id[speed.indexOf(Math.max(...speed))];
+        })()"""
+    )
+    page.fill("#viewer-stone", fastest)
+    page.press("#viewer-stone", "Enter")
+    largest = page.inner_text("#viewer-moved").removeprefix("largest displacement ")
+    assert page.inner_text("#viewer-picked").endswith(f", moves {largest}")
 
 
 def test_keys_turn_and_zoom_the_view(page: Page) -> None:

@@ -125,6 +125,7 @@ def _analysis(
         "velocities": packed(velocities, "<f4"),
         "speed": packed(speed, "<f4"),
         "reference_speed": reference_speed(speed),
+        "fastest": float(speed.max(initial=0.0)),
         "amplitude": natural_amplitude(stones, speed),
         "moving": int(moving_stones(speed).sum()),
         "toward": viewpoint(stones, velocities).tolist(),

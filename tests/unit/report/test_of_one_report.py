@@ -18,6 +18,7 @@ from churchpipe.model.results import Iteration
 from churchpipe.report import html
 from churchpipe.report.figures import Job
 from churchpipe.report.html import write_report
+from churchpipe.report.viewer import static_text, viewer_data
 from records import analysis, summary
 from shell_meshes import grid, shell, wall_points
 from solids import box, on_ground
@@ -109,3 +110,15 @@ def test_a_run_without_dilatancy_is_compared_with_the_associative_one_of_its_con
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert re.findall(r"associative, (0\.\d{4})<", page) == ["0.5000", "0.4000"]
     assert drawn
+
+
+def test_the_viewer_knows_how_far_the_fastest_stone_goes() -> None:
+    # Of stones that creep one falls out a hundred times as fast: the measure of the mechanism is not the largest motion.
+    stones = on_ground(*[box((2 * i, 2 * i + 1), (0, 1), (0, 1)) for i in range(-12, 12)])
+    velocities = np.zeros((stones.count, 6))
+    velocities[1:, 0], velocities[-1, 0] = 1.0, 100.0
+    state = cp.LimitState(0.5, "optimal", 0.5, 0.5, np.zeros((0, 3)), velocities)
+    (found,) = viewer_data(stones, [(analysis(), state, "fast")])["analyses"]
+    assert found["fastest"] == 100.0 > found["reference_speed"]
+    # What the page calls the largest displacement is that of this stone.
+    assert re.search(r"largest displacement \$\{lengthText\(amplitude \* state\.analysis\.fastest\)\}", static_text("viewer.js"))
