@@ -7,7 +7,28 @@ from churchpipe.large_displacements.poses import Poses, screw, start_poses
 from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import FloatArray, floats
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts
+from churchpipe.model.settlement import SettlementPath
+
+
+def path_cracks(
+    stones: Assemblage, contacts: Contacts, path: BlockCapacityCurve | SettlementPath, step: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return how wide the joints as drawn (ni,) are open, m, and how far they have slid, m, at a step of a path, the last one for
+    -1: see `joint_cracks`. Joints of stones that have fallen by then, which are left where they fell, are shut.
+
+    Raises
+    ------
+    InputError: arguments of the wrong kind, places of other stones.
+    """
+    opening, slip = joint_cracks(stones, contacts, path.position[step], path.rotation[step])
+    travelled = path.displacement if isinstance(path, BlockCapacityCurve) else path.movement
+    # Stones fall on the way from one step to the next, and have the place of the first of the two.
+    before = travelled[: len(travelled) + step if step < 0 else step]
+    gone = [part.stones for part in path.fallen if len(before) and part.displacement <= before[-1]]
+    there = ~np.isin(contacts.blocks, np.concatenate([*gone, np.zeros(0, dtype=np.int64)])).any(axis=1)
+    return np.where(there, opening, 0.0), np.where(there, slip, 0.0)
 
 
 def joint_cracks(

@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.large_displacements.cracks import joint_cracks
+from churchpipe.large_displacements.cracks import path_cracks
 from churchpipe.large_displacements.record import Progress
 from churchpipe.large_displacements.settlement_path import settlement_path
 from churchpipe.model.arrays import FloatArray
@@ -76,5 +76,5 @@ def moved_support(
     except InputError as error:
         raise error.at(f"movements, {settings['name']}: {error.where}") from error
     shut = np.zeros(len(joints.blocks))
-    cracks = joint_cracks(foot.stones, joints, path.position[-1], path.rotation[-1]) if len(path.movement) else (shut, shut)
+    cracks = path_cracks(foot.stones, joints, path, -1) if len(path.movement) else (shut, shut)
     return MovedSupport(foot.stones, joints, path, *cracks)

@@ -11,7 +11,7 @@ from churchpipe.errors import InputError
 from churchpipe.halved_steps import careful_check
 from churchpipe.io.movement_record import Shift, Turn, movement_record, widest_cracks
 from churchpipe.io.recording import curve_record_of, halved_record
-from churchpipe.large_displacements.cracks import joint_cracks
+from churchpipe.large_displacements.cracks import path_cracks
 from churchpipe.model.arguments import check_kind, describe
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage, checked_sequence
@@ -155,7 +155,7 @@ def movements_given(
 
 
 def _cracks(stones: Assemblage, contacts: Contacts, path: SettlementPath) -> list[Any]:
-    return widest_cracks(stones, contacts, *joint_cracks(stones, contacts, path.position[-1], path.rotation[-1]))
+    return widest_cracks(stones, contacts, *path_cracks(stones, contacts, path, -1))
 
 
 def _support_motion(stones: Assemblage, path: SettlementPath) -> tuple[FloatArray, bool]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.io.movement_record import ENDINGS, Movement
-from churchpipe.large_displacements.cracks import joint_cracks
+from churchpipe.large_displacements.cracks import path_cracks
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.quantities import in_unit
@@ -89,7 +89,7 @@ def _maps(record: Movement, stones: Assemblage, contacts: Contacts, path: Settle
     maps: list[tuple[str, str]] = []
     for wall in walls:
         for step in dict.fromkeys((min(1, len(path.movement) - 1), len(path.movement) - 1)):
-            opening, _ = joint_cracks(stones, contacts, path.position[step], path.rotation[step])
+            opening, _ = path_cracks(stones, contacts, path, step)
             drawn = crack_map_svg(stones, contacts, np.where(bears, opening, 0.0), wall)
             if drawn:
                 maps.append((f"{wall or 'Stones of no wall'}, movement {movement[step]:.3g} {length}", drawn))

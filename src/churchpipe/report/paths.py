@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.io.records import Analysis
-from churchpipe.large_displacements.cracks import joint_cracks
+from churchpipe.large_displacements.cracks import path_cracks
 from churchpipe.mechanism import moving_stones, reference_speed, stone_speed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -77,7 +77,7 @@ def crack_maps(stones: Assemblage, contacts: Contacts, followed: Sequence[Follow
     out: list[tuple[str, str]] = []
     for record, curve in followed:
         step = _part_way(curve.displacement, _LIMIT)
-        opening, _ = joint_cracks(stones, contacts, curve.position[step], curve.rotation[step])
+        opening, _ = path_cracks(stones, contacts, curve, step)
         opening = np.where(bears, opening, 0.0)
         names = np.unique(stones.panel[~stones.fixed]).tolist()
         widest = {str(name): _widest(stones, contacts, opening, name) for name in names}
