@@ -71,18 +71,18 @@ def with_fill(
         raise InputError("with_fill: load", "not pushed alike at all heights", found=load.profile, expected='profile = "uniform"')
     count, centre = (body.count, body.centroid) if isinstance(body, Assemblage) else (len(body.triangles), body.centroid)
     dead, live = (np.zeros((count, 6)) if extra is None else np.array(extra) for extra in (load.dead, load.live))
-    pushed = load.panels is None or set(names) & set(load.panels)
+    pushed = np.isin(body.panel, names if load.panels is None else load.panels)
     virials = [
         nearest_virial(wrench) if own is None else np.array(own)
         for wrench, own in ((dead, load.dead_virial), (live, load.live_virial))
     ]
-    sides = (dead, virials[0], np.array([0.0, 0.0, -1.0])), (live, virials[1], load.direction if pushed else np.zeros(3))
+    down = np.array([0.0, 0.0, -1.0])
     filled = 0.0
     for owner, corner in _backs(body, np.isin(body.panel, names), contacts):
         volume, moment = _column(below(corner, level), level)
         filled += volume
         arm = moment - volume * centre[owner]
-        for wrench, virial, toward in sides:
+        for wrench, virial, toward in ((dead, virials[0], down), (live, virials[1], load.direction * pushed[owner])):
             wrench[owner, :3] += unit_weight * volume * toward
             wrench[owner, 3:] += unit_weight * np.cross(arm, toward)
             virial[owner] += unit_weight * np.outer(arm, toward)

@@ -59,6 +59,21 @@ def test_fill_of_a_case_is_that_of_python() -> None:
     assert np.hypot(*back.T).min() > 1.1 * math.cos(math.pi / 54) - 1e-9
 
 
+def test_fill_is_pushed_with_the_part_that_bears_it() -> None:
+    stones = cp.derive_blocks(BARREL)
+    right = (stones.panel == "vault") & (stones.centroid[:, 0] > 0.1)
+    stones = replace(stones, panel=np.where(right, "right", stones.panel))
+    load = cp.LoadCase((1, 0, 0), panels=("right",))
+    placed = cp.place_loads(stones, [cp.Fill(on=("vault", "right"), unit_weight=15e3, top=1.1)])
+    of_case = cp.loaded(load, stones, placed)
+    of_python = cp.with_fill(load, stones, ("vault", "right"), 1.1, 15e3, cp.find_contacts(stones))
+    assert of_python.live is not None
+    assert not of_python.live[~right].any()
+    for name in ("dead", "live"):
+        first, second = getattr(of_case, name), getattr(of_python, name)
+        np.testing.assert_allclose(first, second, atol=1e-9 * np.abs(second).max())
+
+
 def test_fill_changes_the_load_factor_of_both_models_alike() -> None:
     stones, shell = cp.derive_blocks(BARREL), cp.derive_shell(BARREL, 0.2)
     contacts = cp.find_contacts(stones)
