@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.mechanism import stone_of_point
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
@@ -20,7 +21,8 @@ _SHUT, _INVISIBLE, _FIGURES = 0.01, 1e-6, 6
 def crack_map_svg(stones: Assemblage, contacts: Contacts, opening: FloatArray, wall: str) -> str:
     """Return an SVG of a wall's elevation with its joints as wide and as dark as they are open; "" where none is.
 
-    opening (ni,) m. The wall is drawn as it was, along its longest direction in plan; joints with other walls are among its own.
+    opening (ni,) m. The wall is drawn as it was, along its longest direction in plan, from its left end on; joints with other
+    walls are among its own.
     """
     mine = np.flatnonzero((stones.panel == wall) & ~stones.fixed)
     own = np.isin(contacts.blocks, mine)
@@ -29,6 +31,8 @@ def crack_map_svg(stones: Assemblage, contacts: Contacts, opening: FloatArray, w
         return ""
     axis = _direction(stones.centroid[mine, :2])
     seen, points = _seen(stones.points, axis), _seen(contacts.point, axis)
+    start = np.array([float(seen[np.isin(stone_of_point(stones), mine), 0].min()), 0.0])
+    seen, points = seen - start, points - start
     outlines = [_outline(seen[stones.block_point_ptr[i] : stones.block_point_ptr[i + 1]]) for i in mine]
     lines = [_line(points[contacts.point_ptr[i] : contacts.point_ptr[i + 1]]) for i in cracked]
     low, high = (edge(np.concatenate(outlines), axis=0) for edge in (np.min, np.max))

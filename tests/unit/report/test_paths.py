@@ -1,6 +1,7 @@
 """The real path in the report: frames of the viewer, snapshots, crack maps."""
 
 import base64
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,10 +10,11 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.model.arrays import FloatArray
+from churchpipe.report.cracks import crack_map_svg
 from churchpipe.report.paths import crack_maps, path_label, snapshots, viewer_path
 from churchpipe.report.viewer import origin_of
 from records import analysis
-from solids import box, on_ground
+from solids import box, moved, on_ground
 
 STONES = replace(
     on_ground(*[box((0, 0.4), (0, 1), (i / 2, (i + 1) / 2)) for i in range(4)]), panel=np.array(["ground", *["pier"] * 4])
@@ -96,3 +98,19 @@ def test_crack_maps_show_walls_that_open_at_their_ground_alone() -> None:
     assert curve.initial == pytest.approx(0.15, rel=1e-6)
     ((words, _),) = crack_maps(stones, contacts, [(RECORD, curve)])
     assert "post" in words
+
+
+def test_crack_maps_begin_at_the_end_of_their_wall() -> None:
+    # Wherever the wall stands and however it is turned, what is "along the wall" is counted from its left end.
+    opening = np.where(CONTACTS.kind == "bed", 2e-3, 0.0)
+    turn = np.radians(37)
+    rotation = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    drawn: list[list[str]] = []
+    for angle, shift in ((np.eye(3), [0, 0, 0]), (np.eye(3), [310, -720, 0]), (rotation, [310, -720, 0])):
+        stones = replace(moved(STONES, angle, np.array(shift, dtype=float)), panel=STONES.panel)
+        texts = re.findall(r"<text[^>]*>([^<]*)</text>", crack_map_svg(stones, cp.find_contacts(stones), opening, "pier"))
+        drawn.append(texts)
+        assert "m along the wall" in texts
+        assert "0.0" in texts
+    assert drawn[0] == drawn[1]
+    assert set(drawn[0]) == set(drawn[2])
