@@ -25,10 +25,14 @@ def variants_section(variants: Sequence[VariantResult], analyses: Sequence[Analy
     """
     if len(variants) < 2:
         return None
-    known = {record.name: Row(record) for record in analyses if record.method != "curve"}
+    known = {record.name: Row(record) for record in analyses}
     cells: dict[str, dict[str, dict[str, Row]]] = {}
+    curves: dict[tuple[str, str], list[Row]] = {}
     for variant in variants:
         for row in (known[name] for name in variant.analyses if name in known):
+            if row.record.method == "curve":
+                curves.setdefault((_asked(row), variant.name or AS_IS), []).append(row)
+                continue
             cells.setdefault(_asked(row), {}).setdefault(variant.name or AS_IS, {}).setdefault(_kind(row), row)
     kinds = list(dict.fromkeys(kind for of_load in cells.values() for found in of_load.values() for kind in found))
     costs = list(dict.fromkeys(key for variant in variants for key in variant.cost))
@@ -47,7 +51,8 @@ def variants_section(variants: Sequence[VariantResult], analyses: Sequence[Analy
                     "link": link_to(geometry or first, variant.geometry, first),
                     "factors": [_factor(found.get(kind), asis.get(kind), name) for kind in kinds],
                     "moves": next((words for row in found.values() if (words := what_moves(row.record))), ""),
-                    "check": _check(found.values()),
+                    # As in the verdict on all loads, the check by displacements governs where there is one.
+                    "check": _check(curves.get((load, name), ())) or _check(found.values()),
                     "costs": [_cost(variant.cost.get(key)) for key in costs],
                 }
             )

@@ -1,9 +1,11 @@
 """The building as it is beside its variants, in the report."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from churchpipe.io.records import Analysis
 from churchpipe.io.summary import VariantResult
+from churchpipe.model.checks import DisplacementCheck
 from churchpipe.report.variants import variants_section
 from records import analysis
 from report_pages import Page, record_of, report, state_of, tower
@@ -31,6 +33,24 @@ VARIANTS = [
     VariantResult("two ties", "base", {"tie, m": 24, "EUR": 9500.5}, ("a ties", "b", "s ties")),
     VariantResult("thicker", "thicker", {"EUR": 40000}, ("a thick",)),
 ]
+
+
+def test_the_check_by_displacements_governs_where_a_variant_has_a_curve() -> None:
+    made = {"zeta_e": 0.6, "zeta_e_stones": 0.9, "satisfied": False, "satisfied_stones": False}
+    checks = {"d": DisplacementCheck(**made), "d ties": DisplacementCheck(message="no proved step")}
+    curves = [
+        replace(record("d", 0.2, method="curve"), check=checks["d"]),
+        replace(record("d ties", 0.25, "two ties", method="curve"), check=checks["d ties"]),
+    ]
+    variants = [
+        VariantResult(None, "base", {}, ("a", "d")),
+        VariantResult("two ties", "base", {}, ("a ties", "d ties")),
+    ]
+    section = variants_section(variants, [*ANALYSES, *curves], "base")
+    assert section is not None
+    # A curve without a check leaves that of accelerations; load factors are those of the other analyses.
+    assert [row["check"] for row in section["rows"]] == ["ζ_E = 0.60, not satisfied", "ζ_E = 1.05, satisfied"]
+    assert section["headings"] == ["rigid blocks, associative"]
 
 
 def test_each_load_has_the_building_as_it_is_and_its_variants() -> None:
