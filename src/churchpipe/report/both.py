@@ -101,7 +101,8 @@ def capacity_plots(rows: Sequence[Row]) -> list[tuple[str, str]]:
         lines = [
             (_line(row), value) for row in others if (value := row.value("load_factor")) is not None and math.isfinite(value)
         ]
-        heading = ", ".join([f"load {members[0].load}", f"friction {friction_text(members[0])}"])
+        of_variant = [members[0].variant] if members[0].variant else []
+        heading = ", ".join([*of_variant, f"load {members[0].load}", f"friction {friction_text(members[0])}"])
         plots.append((heading, capacity_svg(curves, lines)))
     return plots
 
@@ -121,7 +122,7 @@ def mesh_plot(rows: Sequence[Row]) -> str:
     if not drawn:
         return ""
     several = len({key[:-1] for key in drawn}) > 1
-    labels = {key: f"shell, {key[-1]}" + (f", load {key[1]}, friction {key[2]}" if several else "") for key in drawn}
+    labels = {key: f"shell, {key[-1]}" + (_question_words(key) if several else "") for key in drawn}
     asked = {key[:-1] for key in drawn}
     lines = [
         (_line(row), value)
@@ -132,6 +133,12 @@ def mesh_plot(rows: Sequence[Row]) -> str:
         and math.isfinite(value)
     ]
     return mesh_svg([(labels[key], *np.array(points).T) for key, points in drawn.items()], [] if several else lines)
+
+
+def _question_words(asked: tuple[str, ...]) -> str:
+    """Return what tells a `question` from others: its variant, if it is of one, load and friction."""
+    _, load, friction, _, _, variant, *_ = asked
+    return f"{f', {variant}' if variant else ''}, load {load}, friction {friction}"
 
 
 def domain_plot(meshes: Mapping[str, ShellModel], rows: Sequence[Row]) -> tuple[str, str]:

@@ -144,6 +144,18 @@ def test_curves_have_the_load_factors_of_the_same_question_across() -> None:
     assert compared([Pair("+x", "a", "c", 0.205 / 0.21, 0.987)], rows) == [
         ["+x", "associative, friction 0.6", "0.2100", "limit load, 60 mm, friction 0.6", "0.2050", "\u22122.4 %", "0.99"]
     ]
+    # Those of a variant have a plot of their own, which names it.
+    pushed = Row(record("g", 0.2, method="pushover", variant="two ties", **of_shell), None, ("base", curve()))
+    assert [heading for heading, _ in capacity_plots([*rows, pushed])] == [heading, f"two ties, {heading}"]
+    sizes = [
+        Row(record(f"{variant} {size}", 0.2, method="limit", variant=variant, **of_shell | {"element_size_mm": size}))
+        for variant in (None, "two ties")
+        for size in (60.0, 120.0)
+    ]
+    assert re.findall(r">(shell, [^<]*)<", mesh_plot(sizes)) == [
+        "shell, limit load, load +x, friction 0.6",
+        "shell, limit load, two ties, load +x, friction 0.6",
+    ]
     tied = [Row(record("e", 0.3, variant="two ties")), Row(record("f", 0.3, variant="two ties", **of_shell))]
     assert compared([Pair("+x", "e", "f", 1.0)], tied)[0][0] == "+x, two ties"
 
