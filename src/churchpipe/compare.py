@@ -236,7 +236,8 @@ def contact_models(analyses: Sequence[Analysis]) -> list[ContactModels]:
             second = both["torsion"]
             apart = second.load_factor / first.load_factor - 1
             factors, names = (first.load_factor, second.load_factor), (first.name, second.name)
-            out.append(ContactModels(first.load, str(first.flow), *factors, apart, names, _APART if abs(apart) > _ALIKE else ""))
+            said = _APART if abs(apart) > _ALIKE else ""
+            out.append(ContactModels(first.load, str(first.flow), *factors, apart, names, said, first.variant, first.swept))
     return out
 
 

@@ -87,6 +87,12 @@ def test_models_that_differ_get_a_sentence() -> None:
     assert shown["rows"][0] == ["+x", "associative", "0.4440", "0.4190", "\u22125.6 %"]
     assert shown["sentences"] == [pair.sentence]
     assert contact_model_rows([]) is None
+    # Pairs of a sweep, and of variants, are told apart.
+    places = {"variant": "tied"}, {"swept": {"material.default.friction": 0.5}, "friction": 0.5}
+    pairs = [contact_models([record("corners", 0.4, **place), record("torsion", 0.4, **place)])[0] for place in places]
+    rows = contact_model_rows(pairs)
+    assert rows is not None
+    assert [row[0] for row in rows["rows"]] == ["+x, tied", "+x, friction 0.5"]
     (advice,) = guidance([record("corners", 0.444), record("torsion", 0.419)])
     assert "use 0.4190 (rigid blocks, associative, torsion)" in advice
     assert "uniform pressure" in advice

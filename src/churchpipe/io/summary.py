@@ -61,7 +61,7 @@ class Pair:
 @dataclass(frozen=True, slots=True)
 class ContactModels:
     """Load factors of both contact models of a joint under one load, their difference over the first, the names of both
-    analyses, and what to make of it."""
+    analyses, and what to make of it; variant, swept: those of the analyses."""
 
     load: str
     flow: str
@@ -70,6 +70,8 @@ class ContactModels:
     difference: float
     analyses: tuple[str, ...]
     sentence: str = ""
+    variant: str | None = None
+    swept: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

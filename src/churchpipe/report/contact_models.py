@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from churchpipe.io.summary import ContactModels
-from churchpipe.report.table import figure, minus
+from churchpipe.report.table import figure, minus, named_of
 
 
 def contact_model_rows(pairs: Sequence[ContactModels]) -> dict[str, Any] | None:
@@ -13,7 +13,7 @@ def contact_model_rows(pairs: Sequence[ContactModels]) -> dict[str, Any] | None:
         return None
     rows = [
         [
-            minus(pair.load),
+            named_of(minus(pair.load), pair.variant, pair.swept),
             pair.flow,
             figure(pair.corners, 4),
             figure(pair.torsion, 4),
