@@ -16,7 +16,7 @@ from churchpipe.io.records import Analysis, read_record
 from churchpipe.loading.plates import plate_on
 from churchpipe.loading.ties import place_ties
 from churchpipe.model.quantities import as_written
-from shell_meshes import grid, shell, wall_points
+from shell_meshes import grid, joined_walls, shell, wall_points
 from solids import box
 
 STEEL = {"area": 4e-4, "steel_strength": 235e6}
@@ -240,6 +240,27 @@ def test_a_shell_stands_by_a_tie_that_would_pull_it_down_with_its_whole_strength
     # More strength never makes it weaker, and the tension is one that the wall bears.
     assert strong.load_factor >= weak.load_factor - 1e-6
     assert strong.tie_forces[0] >= weak.tie_forces[0] - 1e-6
+
+
+def test_more_strength_than_serves_adds_nothing_to_a_tied_shell() -> None:
+    # Pushed along -y a wall leans out, and pulls another one after it by the tie: a tension in between serves best.
+    flat, triangles = grid(3, 4, 2.0, 3.0)
+    front, back = wall_points(flat), wall_points(flat) + np.array([0.0, 4.0, 0.0])
+    model = shell(*joined_walls([(front, triangles), (back, triangles)]), cell=(0.5, 1.0), supported=lambda p: p[:, 2] < 1e-9)
+    thickness = np.where(model.points[model.triangles].mean(axis=1)[:, 1] < 2.0, 0.5, 0.8)
+    model = replace(model, thickness=thickness, surface_weight=18e3 * thickness)
+
+    def factor(strength: float) -> cp.ShellLimitState:
+        tie = cp.Tie("rod", (1.0, 0.25, 2.6), (1.0, 3.6, 2.6), strength=strength)
+        return cp.shell_limit_analysis(model, cp.LoadCase((0, -1, 0)), [cp.Material("default", 18e3, 0.6)], ties=[tie])
+
+    for strength in (500.0, 5e3, 20e3):
+        state = factor(strength)
+        assert state.status == "optimal"
+        added = (factor(strength + 20).load_factor - factor(strength - 20).load_factor) / 40
+        assert state.tie_sensitivity[0] * 5e3 == pytest.approx(added * 5e3, abs=1e-4)
+        assert (state.tie_forces[0] < 0.5 * strength) == (strength > 500.0)
+        assert (state.tie_sensitivity[0] * 5e3 > 0.1) == (strength == 500.0)
 
 
 def test_a_shell_that_no_tension_holds_does_not_stand() -> None:

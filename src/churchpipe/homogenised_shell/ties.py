@@ -98,7 +98,7 @@ def tied_analysis(
         return replace(first.state, tie_forces=first.tension, tie_sensitivity=np.full(len(ties), np.nan))
     cuts.append(first)
     seconds = first.state.seconds
-    upper, target = _highest(cuts, most)
+    upper, target, gain = _highest(cuts, most)
     while upper - _best(cuts).state.load_factor > _tolerance(upper) and len(cuts) < MOST_ANALYSES:
         tried = at(target)
         seconds += tried.state.seconds
@@ -108,7 +108,7 @@ def tied_analysis(
         if tried.state.status != "optimal":
             break
         cuts.append(tried)
-        upper, target = _highest(cuts, most)
+        upper, target, gain = _highest(cuts, most)
     best = _best(cuts)
     met = upper - best.state.load_factor <= _tolerance(upper)
     return replace(
@@ -116,7 +116,7 @@ def tied_analysis(
         status="optimal" if met else "not-converged",
         upper_bound=max(upper, best.state.load_factor),
         tie_forces=best.tension,
-        tie_sensitivity=np.maximum(best.rate, 0.0),
+        tie_sensitivity=gain,
         seconds=seconds,
         message="" if met else f"tensions of the ties not found in {len(cuts)} analyses; {best.state.message}",
     )
@@ -168,8 +168,11 @@ def _tolerance(upper: float) -> float:
     return SOLVER.duality_gap * max(abs(upper), SOLVER.least_load_factor)
 
 
-def _highest(cuts: Sequence[_Cut], most: FloatArray) -> tuple[float, FloatArray]:
-    """Return the largest load factor that all planes allow, and the tensions (nt,) to try next."""
+def _highest(cuts: Sequence[_Cut], most: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """Return the largest load factor that all planes allow, the tensions (nt,) to try next, and what each newton more of a tie's
+    strength adds to that load factor (nt,), 1/N: nothing where a tension below it serves best, whatever the one mechanism that
+    was found there lengthens.
+    """
     # Tensions over their strengths, so that all variables are of order one.
     slopes = np.array([cut.rate * most for cut in cuts])
     level = np.array([cut.state.upper_bound - cut.rate @ cut.tension for cut in cuts])
@@ -183,13 +186,15 @@ def _highest(cuts: Sequence[_Cut], most: FloatArray) -> tuple[float, FloatArray]
     )
     ends: FloatArray = np.asarray(found.x)
     upper, farthest = float(ends[-1]), ends[:-1]
+    bound: FloatArray = np.asarray(found.upper.marginals)[:count]
+    added = np.divide(np.maximum(-bound, 0.0), most, out=np.zeros(count), where=most > 0)
     best = _best(cuts)
     gain = upper - best.state.load_factor
     if gain <= _tolerance(upper):
-        return upper, farthest * most
+        return upper, farthest * most, added
     aimed = upper - (1 - _LEVEL) * gain
     near = _nearest(best.tension / most, slopes / gain, (aimed - level) / gain)
-    return upper, (farthest if near is None else near) * most
+    return upper, (farthest if near is None else near) * most, added
 
 
 def _nearest(place: FloatArray, slopes: FloatArray, least: FloatArray) -> FloatArray | None:
