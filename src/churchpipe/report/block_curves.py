@@ -55,14 +55,15 @@ def _svg(records: Sequence[Analysis], shells: Sequence[Analysis]) -> str:
             label = f"{curve_label(record)}, steps half as long"
             axes.plot(1e3 * np.array(again.displacement), again.load_factors, ":", lw=1.4, color=line.get_color(), label=label)
     reached = [of.displacement or (0.0,) for record in records for of in (record, record.halved) if of]
-    furthest = max(1e3 * max(places) for places in reached)
+    # A control point may go backwards.
+    least, furthest = (end(1e3 * place for places in reached for place in (*places, 0.0)) for end in (min, max))
     for record in shells:
         label = f"shell, {curve_label(record)}"
         axes.plot(1e3 * np.array(record.control), record.load_factors, "--s", ms=2.5, lw=1.2, label=label)
     axes.set_xlabel("displacement along the load, mm", fontsize=8)
     axes.set_ylabel("load factor", fontsize=8)
     # Displacements of the shell are small in its theory: its plateau goes on for ever.
-    axes.set_xlim(0, 1.05 * furthest if furthest > 0 else None)
+    axes.set_xlim(1.05 * least, 1.05 * furthest if furthest > 0 or least < 0 else None)
     axes.set_ylim(bottom=0)
     legend_below(axes)
     return svg_of(figure)

@@ -1,5 +1,6 @@
 """Capacity curves in a case: settings, artifact, record."""
 
+import re
 import subprocess
 import sys
 import time
@@ -136,6 +137,17 @@ def test_the_report_shows_each_load_once(curve: BlockCapacityCurve) -> None:
     assert sentences[1].endswith("not followed further. On the way fell a7 (at 100 mm).")
     assert block_curve_plots([record], "other") == []
     assert "no equilibria" not in plot
+    # A curve against a control point that goes backwards is seen as one that goes forwards is.
+    ticks = [
+        {float(text.replace("\u2212", "-")) for text in re.findall(r">([\u2212\d.]+)</text>", seen)}
+        for seen in (
+            plot,
+            block_curve_plots([replace(record, displacement=tuple(-place for place in record.displacement or ()))], None)[0][1],
+        )
+    ]
+    assert {-200.0, 0.0} < ticks[1]
+    assert {0.0, 200.0} < ticks[0]
+    assert max(ticks[1]) < 1.0 <= -min(ticks[1])
     # Variants of one geometry are in one plot.
     ((_, plot, sentences),) = block_curve_plots([record, replace(record, variant="tied")], None)
     assert [sentence.partition(":")[0] for sentence in sentences] == ["friction 0.6", "tied, friction 0.6"]
