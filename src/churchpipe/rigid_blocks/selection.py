@@ -2,10 +2,9 @@
 
 from collections.abc import Callable, Sequence
 
-import numpy as np
-
 from churchpipe.model.names import NEARLY
 from churchpipe.model.results import StartRun
+from churchpipe.rigid_blocks.coulomb import LEAST_FACTOR
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, SEARCH_SPREAD
 
 # An interval that begins below this share of the load factor begins at zero.
@@ -51,23 +50,23 @@ def leading(runs: Sequence[StartRun]) -> int:
 
 def nearly(runs: Sequence[StartRun], leader: StartRun) -> list[StartRun]:
     """Return the runs not certified, but nearly as exact as the leader, that are lower by more than rounding moves a search."""
-    if not leader.load_factor:
-        return []
-    allowed = _NEARLY * max(BIPOTENTIAL_GAP, _share(leader))
+    allowed = _NEARLY * max(BIPOTENTIAL_GAP, _relative_gap(leader))
     return [
         run
         for run in runs
-        if not run.converged and _share(run) <= allowed and (1.0 + SEARCH_SPREAD) * run.load_factor < leader.load_factor
+        if not run.converged and _relative_gap(run) <= allowed and (1.0 + SEARCH_SPREAD) * run.load_factor < leader.load_factor
     ]
+
+
+def _relative_gap(run: StartRun) -> float:
+    """Return the gap of a run over its load factor; one of zero is measured as in `CoulombState.relative_gap`."""
+    return run.gap / max(abs(run.load_factor), LEAST_FACTOR)
 
 
 def nearly_words(run: StartRun) -> str:
     """Return what is said of such a run."""
+    missing = _relative_gap(run)
     return (
         f"the state at {run.load_factor:.4f} from the start {run.start} {NEARLY}: its forces and its motion miss each other by"
-        f" {_share(run):.1e} of the load factor, where {BIPOTENTIAL_GAP:.0e} is wanted, so do not count on more"
+        f" {missing:.1e} of the load factor, where {BIPOTENTIAL_GAP:.0e} is wanted, so do not count on more"
     )
-
-
-def _share(run: StartRun) -> float:
-    return run.gap / abs(run.load_factor) if run.load_factor else np.inf

@@ -10,6 +10,7 @@ from churchpipe.conic.program import ConeProgram, ConeSolution
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.results import StartRun
 from churchpipe.rigid_blocks import central, sliding
 from churchpipe.rigid_blocks.associative import associative_state
 from churchpipe.rigid_blocks.certificate import Strength
@@ -17,6 +18,7 @@ from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap,
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, closed_gap, pair_of_programs, pairs_left
 from churchpipe.rigid_blocks.limit import limit_analysis, point_strength
+from churchpipe.rigid_blocks.selection import nearly, nearly_words
 from churchpipe.rigid_blocks.settings import SchemeSettings
 from churchpipe.rigid_blocks.sliding import SlidingOptions, sliding_analysis
 from churchpipe.stones.contacts import find_contacts
@@ -267,3 +269,11 @@ def test_a_search_gives_up_where_its_rate_leads_nowhere(outlook: float, pairs: i
     run = closed_gap(balance, strength, dead_load_start(balance), solver_for(balance.wrenches), settings)
     assert run is not None
     assert len(run.history) == pairs
+
+
+def test_a_leader_without_any_load_factor_is_measured_too() -> None:
+    # Where nothing rubs the load factor is zero, and a gap counts against a thousandth of the weight.
+    leader = StartRun("dead-load", 0.0, True, 1e-9, (0.0, 0.0), ())
+    near, far = (StartRun("associative", -0.01, False, gap, (np.nan, np.nan), ()) for gap in (5e-7, 5e-6))
+    assert nearly([leader, near, far], leader) == [near]
+    assert "by 0.0e+00 of the load factor" in nearly_words(replace(leader, gap=0.0))
