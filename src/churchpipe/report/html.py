@@ -190,7 +190,7 @@ def _facts(found: Size, shell: ShellSize | None, stones: Assemblage) -> list[tup
     counts |= {"shell elements": shell.elements, "shell nodes": shell.nodes} if shell else {}
     facts = [(title, f"{count:,}") for title, count in counts.items()]
     of_stones = [("weight", f"{weight:,.0f} kN" if weight >= 1e3 else f"{weight:.4g} kN")]
-    of_stones.append(("length \u00d7 width \u00d7 height", f"{size} m"))
+    of_stones.append(("size along x \u00d7 y \u00d7 z", f"{size} m"))
     return facts[:3] + of_stones + facts[3:]
 
 

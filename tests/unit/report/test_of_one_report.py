@@ -21,7 +21,7 @@ from churchpipe.report.html import write_report
 from churchpipe.report.viewer import static_text, viewer_data
 from records import analysis, summary
 from shell_meshes import grid, shell, wall_points
-from solids import box, on_ground
+from solids import box, moved, on_ground
 
 STONES = replace(on_ground(box((0, 1), (0, 0.5), (0, 1))), panel=np.array(["", "wall"]))
 CONTACTS = cp.find_contacts(STONES)
@@ -122,3 +122,15 @@ def test_the_viewer_knows_how_far_the_fastest_stone_goes() -> None:
     assert found["fastest"] == 100.0 > found["reference_speed"]
     # What the page calls the largest displacement is that of this stone.
     assert re.search(r"largest displacement \$\{lengthText\(amplitude \* state\.analysis\.fastest\)\}", static_text("viewer.js"))
+
+
+def test_the_size_of_a_turned_building_is_said_to_be_along_the_axes(drawn: list[Job], tmp_path: Path) -> None:
+    half = np.sqrt(0.5)
+    stones = moved(STONES, np.array([[half, -half, 0], [half, half, 0], [0, 0, 1]]), np.zeros(3))
+    given: dict[str, Any] = {"contacts": cp.find_contacts(stones), "results": [], "case_text": "", "versions": {}}
+    found = replace(summary(), analyses=(analysis(name="stones", flow="associative"),))
+    write_report(tmp_path / "report.html", summary=found, stones=stones, **given)
+    # A block of 1 x .5 m at 45 degrees reaches 1.5 / sqrt(2) along x and along y: neither is its length.
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "<dt>size along x \u00d7 y \u00d7 z</dt><dd>1.06 \u00d7 1.06 \u00d7 1.00 m</dd>" in page
+    assert drawn == []
