@@ -14,7 +14,7 @@ from typing import Final
 from churchpipe.config.case import Case
 from churchpipe.config.case import Drawing as DrawingSource
 from churchpipe.config.imported import MANY_STONES, imported_case, material_names
-from churchpipe.config.json_schema import write_case
+from churchpipe.config.json_schema import FILE_NAME, write_case
 from churchpipe.config.picked import check_picked, ground_questions, picks
 from churchpipe.config.shell_table import ShellTable, shell_table
 from churchpipe.dxf.annotated import write_findings
@@ -23,7 +23,7 @@ from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.dxf.schema import metres
 from churchpipe.errors import InputError, UsageError
 from churchpipe.findings import Body, Findings
-from churchpipe.io.atomic import write_text
+from churchpipe.io.atomic import all_or_none, replacing, write_text
 from churchpipe.match import match_models
 from churchpipe.meshes.reader import files_of, read_file
 from churchpipe.model.assemblage import Assemblage
@@ -143,6 +143,7 @@ def import_drawing(
     Raises
     ------
     InputError: the drawing has errors (nothing is written), the folder has a case already, a direction is none.
+    OSError: a file cannot be written; nothing is left of the others.
     """
     directions = _directions(loads)
     if not path.name.isprintable():
@@ -171,14 +172,15 @@ def import_drawing(
         tolerances=reading.tolerances(tolerances),
         shell=shell,
     )
-    folder.mkdir(parents=True, exist_ok=True)
-    for file, copy in copies.items():
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        if not copy.exists():
-            shutil.copyfile(file, copy)
-    write_case(case, text)
     after = f"churchpipe run {shlex.quote(str(case))}"
-    record_findings(drawing.findings, folder, drawing.units, drawing.stones, f"{after} runs the case.")
+    with all_or_none([*copies.values(), *(folder / name for name in (*FINDINGS, FILE_NAME, case.name))]):
+        for file, copy in copies.items():
+            if not copy.exists():
+                with replacing(copy) as part:
+                    shutil.copyfile(file, part)
+        record_findings(drawing.findings, folder, drawing.units, drawing.stones, f"{after} runs the case.")
+        # Last, since a folder that has a case has been imported.
+        write_case(case, text)
     fixed = int(drawing.stones.fixed.sum())
     note = f"{shell.note} {gate_words(contacts, shell)}".strip()
     count = drawing.stones.count - fixed
@@ -317,4 +319,5 @@ def record_findings(findings: Findings, folder: Path, units: str, stones: Assemb
         return
     record = {"file": findings.file, "findings": findings.records()}
     write_text(folder / FINDINGS[1], json.dumps(record, indent=1, ensure_ascii=False) + "\n")
-    write_findings(findings, folder / FINDINGS[2], units)
+    with replacing(folder / FINDINGS[2]) as part:
+        write_findings(findings, part, units)

@@ -4,8 +4,8 @@ import errno
 import json
 import math
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -30,11 +30,29 @@ def replacing(path: str | Path) -> Iterator[Path]:
         yield part
         part.replace(target)
     except OSError as error:
-        if error.filename == str(part):
-            error.filename = str(target)
+        # A write that fails names no file, and one of a copy names that which is copied first.
+        if error.filename is None or str(part) in (error.filename, error.filename2):
+            error.filename, error.filename2 = str(target), None
         raise
     finally:
         part.unlink(missing_ok=True)
+
+
+@contextmanager
+def all_or_none(files: Iterable[Path]) -> Iterator[None]:
+    """Write several files: when the block fails, those of them that were not there before are deleted, with the folders made."""
+    made = [file for file in files if not file.exists()]
+    folders = {folder for file in made for folder in file.parents if not folder.exists()}
+    try:
+        yield
+    except BaseException:
+        for file in made:
+            file.unlink(missing_ok=True)
+        for folder in sorted(folders, key=lambda folder: len(folder.parts), reverse=True):
+            # A folder in which somebody else has written since stays.
+            with suppress(OSError):
+                folder.rmdir()
+        raise
 
 
 @contextmanager

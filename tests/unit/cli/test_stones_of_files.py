@@ -1,5 +1,8 @@
 """What `check` and `import` say of a file of stones, besides what is wrong with one entity of it."""
 
+import resource
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -88,3 +91,49 @@ def test_a_run_without_its_drawing_leaves_nothing(capsys: pytest.CaptureFixture[
         assert code == 1
         assert "case.toml: line 6, source.dxf: no such file; found " in err
     assert not (tmp_path / "run").exists()
+
+
+@contextmanager
+def files_of_at_most(size: int) -> Iterator[None]:
+    """Let the system refuse to write more bytes to a file, as a disk that is full does."""
+    usual = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, usual[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, usual)
+
+
+# The drawing has some 16 kB, the page of findings, as the first to be written after it, a megabyte.
+@pytest.mark.parametrize(("size", "refused"), [(4_000, "a.dxf"), (100_000, "findings.html")])
+@pytest.mark.parametrize("there", [False, True], ids=["new folder", "folder with notes"])
+def test_import_that_cannot_be_written_leaves_nothing(
+    size: int, refused: str, there: bool, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = drawing(tmp_path / "a.dxf", (0, 0, 0.5, 0.3), (0, 0.3, 0.5, 0.6))
+    folder = tmp_path / "deep" / "out"
+    if there:
+        folder.mkdir(parents=True)
+        (folder / "notes.txt").write_text("mine")
+    with files_of_at_most(size):
+        code, _, err = call(capsys, "import", path, "-o", folder, *OPTIONS)
+    assert code == 2
+    assert f"{folder / refused}: File too large. Choose another place to write to." in err
+    left = [] if not there else [folder / "notes.txt"]
+    assert [file for file in (tmp_path / "deep").rglob("*") if file.is_file()] == left
+    assert (tmp_path / "deep").exists() == there
+    # With room it is made.
+    assert call(capsys, "import", path, "-o", folder, *OPTIONS)[0] == 0
+
+
+def test_case_that_cannot_be_written_leaves_nothing(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Without the page of findings, which is longer, the schema of a case is the longest file.
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    path = drawing(tmp_path / "a.dxf", (0, 0, 0.5, 0.3), (0, 0.3, 0.5, 0.6))
+    with files_of_at_most(100_000):
+        code, _, err = call(capsys, "import", path, "-o", tmp_path / "out", *OPTIONS)
+    assert code == 2
+    assert f"{tmp_path / 'out' / 'case.schema.json'}: File too large." in err
+    assert [file.name for file in tmp_path.iterdir()] == ["a.dxf"]
