@@ -194,9 +194,12 @@ def free_volume(stones: Assemblage) -> float:
     return float(stones.volume[~stones.fixed].sum())
 
 
-def joint_words(stones: Assemblage, contacts: Contacts) -> tuple[str, ...]:
-    """Return what was decided about the joints of stones, as sentences, and how far apart their faces are."""
-    lines = joint_lines(*joint_account(stones, contacts))
+def joint_words(stones: Assemblage, contacts: Contacts, *, typed: bool = False) -> tuple[str, ...]:
+    """Return what was decided about the joints of stones, as sentences, and how far apart their faces are.
+
+    typed: whether there is no case yet, whose keys would change it.
+    """
+    lines = joint_lines(*joint_account(stones, contacts), typed=typed)
     return (*lines, *histogram_lines(contacts)) if lines else ()
 
 

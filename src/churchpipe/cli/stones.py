@@ -115,7 +115,7 @@ def check(
             err.print(f"Look at it: {folder / 'findings.html'}", markup=False, soft_wrap=True)
         raise
     _list(read.findings)
-    for line in joint_words(read.stones, contacts):
+    for line in joint_words(read.stones, contacts, typed=True):
         out.print(line, markup=False, soft_wrap=True)
     ask(size_questions(read.stones))
     after = f"churchpipe import {shlex.quote(str(file))}"

@@ -144,8 +144,11 @@ def joint_account(stones: Assemblage, contacts: Contacts) -> tuple[NearMissAccou
     return found, JointTolerances(now.contact_gap, now.contact_angle, now.overlap, tuple(now.given), closed, deep)
 
 
-def joint_lines(near: NearMissAccount, now: JointTolerances) -> list[str]:
-    """Return a `joint_account` as sentences. There are none for stones that fit exactly."""
+def joint_lines(near: NearMissAccount, now: JointTolerances, *, typed: bool = False) -> list[str]:
+    """Return a `joint_account` as sentences. There are none for stones that fit exactly.
+
+    typed: whether a tolerance is changed by an option of the command line, and not in a case.
+    """
     closed, deep = now.closed, now.interpenetrating
     origin = "as asked for" if "contact_gap" in now.given else "proposed from the gaps of the stones"
     lines: list[str] = []
@@ -159,11 +162,12 @@ def joint_lines(near: NearMissAccount, now: JointTolerances) -> list[str]:
     if near.count:
         named = "; ".join(near_miss_words(item) for item in near.largest[:3])
         low, high = (f"{1e3 * gap:.3g}" for gap in near.gap)
+        remedy = _typed(near.joined_by) if typed else f"{_settings(near.joined_by)} in [rigid]"
         pairs = counted(near.count, "pair of faces nearly meets and is", "pairs of faces face each other and are")
         lines.append(
             f"Near misses: {pairs} no joint, {low} to {high} mm apart and up "
             f"to {math.degrees(near.angle[1]):.3g} degrees from parallel, {100 * near.area_share:.2g} % of all area that meets "
-            f"or nearly meets. The largest: {named}. {_settings(near.joined_by)} in [rigid] makes joints of them."
+            f"or nearly meets. The largest: {named}. {remedy} makes joints of them."
         )
     return lines
 
@@ -181,9 +185,8 @@ def remedy_words(stones: Assemblage, contacts: Contacts, rows: IntArray) -> str:
     named = "; ".join(near_miss_words(_near_miss(stones, contacts, row)) for row in order[:NAMED].tolist())
     more = f"; and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
     wanted = tolerances_that_join(contacts, rows)
-    typed = " ".join(_OPTIONS[key].format(value) for key, value in wanted.items())
     return (
-        f"Faces that nearly meet: {named}{more}. Close the gaps, or join them with {typed} of check and import, "
+        f"Faces that nearly meet: {named}{more}. Close the gaps, or join them with {_typed(wanted)} of check and import, "
         f"{_settings(wanted)} in [rigid] of a case, find_contacts(stones, {_arguments(wanted)}) in Python."
     )
 
@@ -199,6 +202,10 @@ def _arguments(wanted: Mapping[str, float]) -> str:
     in_si = {"_mm": 1e-3, "_deg": math.pi / 180.0}
     split = ((name, f"_{unit}", value) for key, value in wanted.items() for name, _, unit in [key.rpartition("_")])
     return ", ".join(f"{name}={value * in_si[unit]:.4g}" for name, unit, value in split)
+
+
+def _typed(wanted: Mapping[str, float]) -> str:
+    return " ".join(_OPTIONS[key].format(value) for key, value in wanted.items())
 
 
 def _settings(wanted: Mapping[str, float]) -> str:

@@ -137,7 +137,8 @@ def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[
         pairs = counted(len(near), "pair of faces nearly meets", "pairs of faces nearly meet")
         problems.append(f"{pairs}, {100 * share:.0f} % of all area that meets or nearly meets")
         gap = f"{1e3 * contacts.tolerances.contact_gap:.2g}"
-        remedies.append(f"To leave faces that nearly meet open give --contact-gap {gap}mm, contact_gap_mm = {gap} in [rigid].")
+        typed = f"give --contact-gap {gap}mm to check and import, contact_gap_mm = {gap} in [rigid] of a case"
+        remedies.append(f"To leave faces that nearly meet open {typed}.")
     if len(rows := np.flatnonzero(loose | (below & np.isin(contacts.near_misses.stones, hung).any(axis=1)) | decisive)):
         remedies.insert(0, remedy_words(stones, contacts, rows))
     account = surface_account(stones, contacts)

@@ -137,3 +137,15 @@ def test_case_that_cannot_be_written_leaves_nothing(
     assert code == 2
     assert f"{tmp_path / 'out' / 'case.schema.json'}: File too large." in err
     assert [file.name for file in tmp_path.iterdir()] == ["a.dxf"]
+
+
+def test_what_joins_near_misses_is_an_option_before_there_is_a_case(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    # Five stones in a row on one below, the last two 5 mm apart, which is no joint between the others.
+    row = [(0.5 * n + (0.005 if n == 4 else 0), 0.3, 0.5 * (n + 1), 0.6) for n in range(5)]
+    path = drawing(tmp_path / "a.dxf", (0, 0, 2.5, 0.3), *row)
+    _, out, _ = call(capsys, "check", path, *OPTIONS)
+    assert "--contact-gap 5mm makes joints of them." in out
+    assert "[rigid]" not in out
+    _, out, _ = call(capsys, "import", path, "-o", tmp_path / "out", *OPTIONS)
+    assert "contact_gap_mm = 5 in [rigid] makes joints of them." in out
+    assert "Near misses" not in call(capsys, "check", path, *OPTIONS, "--contact-gap", "5mm")[1]
