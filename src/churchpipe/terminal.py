@@ -137,16 +137,20 @@ class Reporter:
         self._stream.flush()
 
 
-def results_table(summary: Summary) -> Table:
-    """Return summary.json as a table."""
-    analyses = summary.analyses
+def sizes_words(summary: Summary) -> str:
+    """Return the case of summary.json and the sizes of its models, as words."""
     sizes = f"{counted(summary.blocks, 'stone')}, {counted(summary.interfaces, 'interface')}, {summary.weight / 1e3:.4g} kN"
     shells = list(summary.shells.values()) or [summary.shell]
     meshes = ", ".join(f"{shell.elements}" for shell in shells if shell and shell.elements)
     sizes += f"; shell of {meshes} elements" if meshes else ""
-    table = Table(
-        title=f"{summary.case}: {sizes}", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0)
-    )
+    return f"{summary.case}: {sizes}"
+
+
+def results_table(summary: Summary) -> Table:
+    """Return the analyses of summary.json as a table."""
+    analyses = summary.analyses
+    title = sizes_words(summary)
+    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     both = len({analysis.model for analysis in analyses}) > 1
     swept = [key for key in dict.fromkeys(k for a in analyses for k in a.swept) if not key.endswith(".friction")]
     variants = any(analysis.variant for analysis in analyses)
@@ -184,10 +188,7 @@ def results_table(summary: Summary) -> Table:
             Text(analysis.status, STATUS_STYLES.get(analysis.status, "red")),
             *([Text(word := verdict(check), "red" if word == NOT_SATISFIED else "")] if safety else []),
         )
-    if analyses:
-        _explain(table, len(analyses), [*_WORDS, *([_OF_INTERVAL] if ranged else []), *(_OF_CHECK if safety else [])])
-    # A case may move supports alone.
-    table.show_header = bool(analyses)
+    _explain(table, len(analyses), [*_WORDS, *([_OF_INTERVAL] if ranged else []), *(_OF_CHECK if safety else [])])
     return table
 
 

@@ -274,10 +274,14 @@ def _print_run(folder: Path, *, good: bool) -> None:
 
 def _print_results(path: Path) -> None:
     from churchpipe.io.summary import read_summary
-    from churchpipe.terminal import mechanism_table, remarks, results_table
+    from churchpipe.terminal import mechanism_table, remarks, results_table, sizes_words
 
     summary = read_summary(path)
-    for table in filter(None, (results_table(summary), mechanism_table(summary))):
+    # A case may move supports alone.
+    tables = (results_table(summary), mechanism_table(summary)) if summary.analyses else ()
+    if not tables:
+        out.print(sizes_words(summary), style="bold", markup=False, soft_wrap=True)
+    for table in filter(None, tables):
         out.print(table)
         out.print()
     for line in remarks(summary):

@@ -617,6 +617,10 @@ def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFi
     write_json(tmp_path / "summary.json", summary | {"movements": [other]})
     _, out, _ = call(capsys, "show", tmp_path)
     assert "Support pier, tied, friction 0.5: at 61.5 mm it was not followed further" in out
+    # Without analyses there is no table, and the sizes stand alone.
+    write_json(tmp_path / "summary.json", EMPTY | {"movements": [movement]})
+    _, out, _ = call(capsys, "show", tmp_path)
+    assert out.startswith("w: 1 stone, 1 interface, 1 kN\nSupport pier: at 87.2 mm")
 
 
 def test_what_a_curve_leaves_out_is_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
