@@ -300,6 +300,7 @@ def remarks(summary: Summary) -> list[str]:
         *account_of_joints(summary),
         *gate_lines(summary),
         *_few([_failure(one) for one in analyses if one.status not in GOOD and one.message]),
+        *_endless([one for one in analyses if one.status == "unbounded"]),
         *_few([line for one in analyses if one.status in GOOD for line in _left_out(one, checked)]),
         *(_movement(one) for one in summary.movements),
         *summary.guidance,
@@ -320,6 +321,14 @@ def _few(lines: list[str]) -> list[str]:
 
 def _failure(record: Analysis) -> str:
     return f"{_named(record)}: {record.status}, {record.message.rstrip('.')}."
+
+
+def _endless(records: Sequence[Analysis]) -> list[str]:
+    """Return what the load factor "no limit" means, one sentence for all loads that have it."""
+    named = dict.fromkeys(one.load if one.variant is None else f"{one.load} ({one.variant})" for one in records)
+    words = f'Load {", ".join(named)}: "no limit" means that no multiple of it brings down what is modelled. Look at its '
+    words += "direction, the walls it pushes and the supports; masonry that crushes has a load factor (compressive_strength_MPa)."
+    return [words] if named else []
 
 
 def _left_out(record: Analysis, checked: bool) -> list[str]:

@@ -54,3 +54,12 @@ def test_the_checks_of_curves_of_one_load_are_told_apart() -> None:
     records = [replace(one, check=governs) for one in (analysis(method="curve"), analysis(method="curve", variant="tied"), swept)]
     said = [line for line in remarks(replace(summary(), analyses=tuple(records))) if "governs" in line]
     assert [line.partition(": ")[0] for line in said] == ["Load +x", "Load +x, tied", "Load +x, friction 0.5"]
+
+
+def test_no_limit_is_explained_once_for_all_loads() -> None:
+    endless = analysis(load="-z", status="unbounded", load_factor=None, flow="associative")
+    tied = replace(endless, variant="tied", flow="non-associative")
+    found = replace(summary(), analyses=(endless, replace(endless, flow="non-associative"), tied, analysis(flow="associative")))
+    (said,) = [line for line in remarks(found) if "no limit" in line]
+    assert said.startswith('Load -z, -z (tied): "no limit" means that no multiple of it brings down what is modelled.')
+    assert not any("no limit" in line for line in remarks(replace(summary(), analyses=(analysis(flow="associative"),))))

@@ -101,6 +101,7 @@ def _of_case(case: "Case") -> Iterator[str]:
     for material in case.materials:
         yield from _of_record(material, f"material.{material.name}.")
     yield from _of_directions(case)
+    yield from _of_weights(case)
     yield from _of_vaults(case)
     yield from _of_fills(case)
     yield from _of_pressures(case)
@@ -145,6 +146,18 @@ def _of_directions(case: "Case") -> Iterator[str]:
             f"The check is made for {', '.join(lone)} and not for the opposite {ways}. An earthquake pushes both ways, and a "
             "building that is not symmetric may have a lower load factor the other way. Is it left out on purpose?"
         )
+
+
+def _of_weights(case: "Case") -> Iterator[str]:
+    """Yield what to ask about loads that only add to the weight of all stones, which no stones feel that do not crush."""
+    crushing = any(material.compressive_strength is not None for material in case.materials)
+    for load in case.loads if not crushing else ():
+        down = load.direction[2] < 0 and not load.direction[:2].any()
+        if down and load.panels is None and load.profile == "uniform":
+            yield (
+                f"The load {load.name} pushes straight down, as weight does: a building that stands bears any multiple of it as "
+                'long as its stones do not crush, and the load factor is "no limit". Is a push sideways meant, such as [1, 0, 0]?'
+            )
 
 
 def _opposite(load: LoadCase, other: LoadCase) -> bool:

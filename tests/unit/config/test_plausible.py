@@ -56,6 +56,17 @@ def test_a_check_that_no_load_is_made_for_is_questioned(tmp_path: Path) -> None:
     assert question.startswith("The check is of an earthquake, and no load pushes sideways, so that none is made.")
 
 
+def test_a_load_that_is_more_weight_is_questioned(tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(CASE.format(**SOUND).split("[check]")[0])
+    [question] = questions([read_case(path, ["load=[{direction=[0,0,-2]}]"])])
+    assert question.startswith("The load -z pushes straight down, as weight does: a building that stands bears any multiple")
+    # On a part of the building it may be what brings it down, and so may it be where stones crush.
+    for other in ("[0,0,-1], panels=['wall']", "[0,0,-1], profile='linear'", "[0,0,1]", "[0.1,0,-1]"):
+        assert questions([read_case(path, [f"load=[{{direction={other}}}]"])]) == []
+    assert questions([read_case(path, ["load=[{direction=[0,0,-1]}]", "material.default.compressive_strength_MPa=2"])]) == []
+
+
 def test_keys_of_a_curve_of_the_shell_that_is_not_asked_for_are_questioned(tmp_path: Path) -> None:
     path = tmp_path / "w.toml"
     path.write_text(CASE.format(**SOUND))
