@@ -12,6 +12,7 @@ from churchpipe.dxf.carried import records_of
 from churchpipe.dxf.duplicates import distinct_stones
 from churchpipe.dxf.elevation import stones_of_traces
 from churchpipe.dxf.jointing import jointed, unnamed_joints
+from churchpipe.dxf.layer_walls import named_by_layers
 from churchpipe.dxf.laying import laid_stones
 from churchpipe.dxf.opening import open_document, without_collecting
 from churchpipe.dxf.properties import decode_properties
@@ -134,6 +135,7 @@ def read_drawing(
         findings += unnamed_joints(stones, 1.0 / metre)
     if reading.laid and unit and not any(f.severity == "error" for f in findings):
         stones = laid_stones(stones, reading.laid, schema.metres(unit), findings)
+    stones = named_by_layers(stones)
     stones = supported(stones, reading.support, findings) if stones else stones
     stones = uniquely_named(stones, findings)
     findings += slivers(stones)

@@ -114,7 +114,7 @@ def summary(found: Survey) -> list[Finding]:
         first = found.nameless[0]
         what = (
             f"{counted(len(found.nameless), 'body', 'bodies')} without attributes, this one the first; named by "
-            'handle, and walls to be laid by layer; material "default"'
+            'handle, and walls by layer where each layer holds the stones of one plane wall, or is laid; material "default"'
         )
         out.append(first.finding("W22", what))
     return out
