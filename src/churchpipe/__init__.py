@@ -7,6 +7,10 @@ from typing import Any
 
 import lazy_loader
 
+from churchpipe.compilation import keep_compiled as _keep_compiled
+
+# Before numba is loaded, which reads the place once.
+_keep_compiled()
 _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 

@@ -1,14 +1,56 @@
-"""Whether the solvers' loops have been compiled, which happens once after installation."""
+"""Where the loops of the solvers are kept, which numba compiles once after installation, and whether they have been."""
 
 import os
+import stat
+import sys
+from contextlib import suppress
 from pathlib import Path
 
 # Its loops, of all solvers the first to be called, are compiled by numba at their first call and kept.
-SOLVER = Path("conic", "interior_point")
+SOLVER = Path(__file__).parent / "conic" / "interior_point"
+# Names another place to keep them in.
+PLACE = "NUMBA_CACHE_DIR"
+
+
+def keep_compiled() -> None:
+    """Name a place where loops are kept, if numba finds none and would not load the solvers: neither the package can be written
+    to, as where somebody else installed it, nor the home of this user, as of a service."""
+    if os.environ.get(PLACE) or _writable(_of_package()) or _writable(_of_user()):
+        return
+    from tempfile import gettempdir, mkdtemp
+
+    with suppress(OSError):
+        folder = Path(gettempdir(), f"churchpipe-{os.getuid()}")
+        with suppress(FileExistsError):
+            folder.mkdir(mode=0o700)
+        # What is kept is code: a folder of this name that others made, or can write to, is not trusted.
+        found = folder.lstat()
+        own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022
+        os.environ[PLACE] = str(folder if own else mkdtemp(prefix="churchpipe-"))
 
 
 def compiled() -> bool:
-    """Return whether compiled loops of the solvers are kept from an earlier run."""
-    if folder := os.environ.get("NUMBA_CACHE_DIR"):
+    """Return whether compiled loops of the solvers are kept from an earlier run, in the first place that numba can write to."""
+    if folder := os.environ.get(PLACE):
         return any(Path(folder).rglob("*.nbi"))
-    return any((Path(__file__).parent / SOLVER / "__pycache__").glob("*.nbi"))
+    if _writable(_of_package()):
+        return any(_of_package().glob("*.nbi"))
+    return any(_of_user().glob(f"{SOLVER.name}_*/*.nbi"))
+
+
+def _of_package() -> Path:
+    return SOLVER / "__pycache__"
+
+
+def _of_user() -> Path:
+    home = os.path.expanduser("~")
+    if sys.platform == "darwin":
+        return Path(home, "Library", "Caches", "numba")
+    return Path(os.environ.get("XDG_CACHE_HOME", os.path.join(home, ".cache")), "numba")
+
+
+def _writable(folder: Path) -> bool:
+    """Return whether a folder can be written to, or made."""
+    while not os.path.exists(folder) and folder != folder.parent:
+        folder = folder.parent
+    return os.access(folder, os.W_OK | os.X_OK)
