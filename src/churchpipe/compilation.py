@@ -15,7 +15,7 @@ PLACE = "NUMBA_CACHE_DIR"
 def keep_compiled() -> None:
     """Name a place where loops are kept, if numba finds none and would not load the solvers: neither the package can be written
     to, as where somebody else installed it, nor the home of this user, as of a service."""
-    if os.environ.get(PLACE) or _writable(_of_package()) or _writable(_of_user()):
+    if os.environ.get(PLACE) or writable(_of_package()) or writable(_of_user()):
         return
     from tempfile import gettempdir, mkdtemp
 
@@ -33,7 +33,7 @@ def compiled() -> bool:
     """Return whether compiled loops of the solvers are kept from an earlier run, in the first place that numba can write to."""
     if folder := os.environ.get(PLACE):
         return any(Path(folder).rglob("*.nbi"))
-    if _writable(_of_package()):
+    if writable(_of_package()):
         return any(_of_package().glob("*.nbi"))
     return any(_of_user().glob(f"{SOLVER.name}_*/*.nbi"))
 
@@ -43,13 +43,18 @@ def _of_package() -> Path:
 
 
 def _of_user() -> Path:
+    return caches_of_user() / "numba"
+
+
+def caches_of_user() -> Path:
+    """Return the folder in the home of this user in which programs keep what they can make again."""
     home = os.path.expanduser("~")
     if sys.platform == "darwin":
-        return Path(home, "Library", "Caches", "numba")
-    return Path(os.environ.get("XDG_CACHE_HOME", os.path.join(home, ".cache")), "numba")
+        return Path(home, "Library", "Caches")
+    return Path(os.environ.get("XDG_CACHE_HOME", os.path.join(home, ".cache")))
 
 
-def _writable(folder: Path) -> bool:
+def writable(folder: Path) -> bool:
     """Return whether a folder can be written to, or made."""
     while not os.path.exists(folder) and folder != folder.parent:
         folder = folder.parent

@@ -18,6 +18,7 @@ from tempfile import TemporaryDirectory
 from typing import IO, Any
 
 from churchpipe import standby
+from churchpipe.compilation import caches_of_user, writable
 from churchpipe.errors import Extra, InputError, UsageError
 from churchpipe.io.atomic import PART
 from churchpipe.resources import pipeline_folder
@@ -80,11 +81,16 @@ def started(profile: str = LOCAL) -> Iterator[Engine]:
         words = [sys.executable, "-m", _WAITING, profile]
         if profile == LOCAL and standby.available():
             words = [sys.executable, "-m", standby.__name__, str(Path(scratch, "standby")), *words]
+        environment = dict(os.environ)
+        if not writable(caches_of_user()):
+            # Snakemake does not start without a place for its caches, and Matplotlib leaves one of its own behind.
+            environment = {"MPLCONFIGDIR": scratch, **environment, "XDG_CACHE_HOME": scratch}
         ours, theirs = (opened.enter_context(end) for end in socket.socketpair())
         # A session of its own: an interrupt reaches engine and jobs through here alone, once, from whatever cause.
         process = opened.enter_context(
             subprocess.Popen(
                 words,
+                env=environment,
                 stdin=theirs.fileno(),
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,

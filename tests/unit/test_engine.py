@@ -55,6 +55,18 @@ def test_an_engine_without_orders_ends_with_what_it_was_started_for() -> None:
     wait_for(lambda: not group_lives(ready.process.pid), 30.0)
 
 
+@pytest.mark.parametrize("home", ["there", "nowhere"])
+def test_an_engine_has_a_place_for_its_caches(home: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Below a file nobody can make a folder, not even root.
+    place = tmp_path if home == "there" else Path("/dev/null/cache")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(place))
+    with engine.started() as ready:
+        words = Path(f"/proc/{ready.process.pid}/environ").read_bytes().split(b"\0")
+        told = dict(word.decode(errors="replace").split("=", 1) for word in words if b"=" in word)
+        assert Path(told["XDG_CACHE_HOME"]).is_dir()
+        assert (Path(told["XDG_CACHE_HOME"]) == place) == (home == "there")
+
+
 def test_an_engine_whose_run_has_died_does_nothing() -> None:
     ours, theirs = socket.socketpair()
     with ours, theirs:
