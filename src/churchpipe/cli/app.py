@@ -1,9 +1,10 @@
 """The application of the command line, and where it prints."""
 
 import importlib.metadata
+import os
 import sys
 from collections.abc import Iterable
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 from rich.console import Console
@@ -18,8 +19,22 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog="Exit codes: 0 done, 1 findings in the input, 2 usage, 3 the structure or a solver (the report is written).",
 )
+
+
+def leave_pipe() -> NoReturn:
+    """End well where the reader of a pipe (head, less) has left: it has read what it wanted."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    raise SystemExit(0)
+
+
+class _Results(Console):
+    def on_broken_pipe(self) -> None:
+        """Leave, which by default is an error."""
+        leave_pipe()
+
+
 # Names and paths are printed as they are: no markup and no emoji in them. Into a file or a pipe, tables keep their width.
-out = Console(highlight=False, markup=False, emoji=False, width=None if sys.stdout.isatty() else 120)
+out = _Results(highlight=False, markup=False, emoji=False, width=None if sys.stdout.isatty() else 120)
 err = Console(stderr=True, highlight=False, markup=False, emoji=False)
 
 

@@ -1,12 +1,10 @@
 """What every command ends in: its exit code, and errors in one sentence."""
 
-import os
 import signal
-import sys
 from typing import NoReturn
 
 from churchpipe.cli import cases, machine, runs, stones
-from churchpipe.cli.app import FINDINGS, STRUCTURE, USAGE, app, err
+from churchpipe.cli.app import FINDINGS, STRUCTURE, USAGE, app, err, leave_pipe
 from churchpipe.errors import InputError, UsageError
 
 # The modules of commands register themselves in the order in which they are imported.
@@ -22,9 +20,7 @@ def main() -> NoReturn:
         err.print(str(error), style="red", soft_wrap=True)
         raise SystemExit(USAGE if isinstance(error, UsageError) else FINDINGS) from None
     except BrokenPipeError:
-        # The reader of a pipe (head, less) has left.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise SystemExit(0) from None
+        leave_pipe()
     except OSError as error:
         place = f"{error.filename}: " if error.filename else "A file cannot be written: "
         problem = error.strerror or str(error)

@@ -931,3 +931,18 @@ def test_a_full_disk_is_told_without_a_traceback(monkeypatch: pytest.MonkeyPatch
         entry.main()
     assert caught.value.code == 2
     assert "A file cannot be written: No space left on device. Choose another place to write to." in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("bad", [False, True], ids=["results", "no run"])
+def test_a_reader_that_has_left_is_no_error(bad: bool, tmp_path: Path) -> None:
+    if not bad:
+        write_json(tmp_path / "summary.json", EMPTY)
+    with subprocess.Popen(
+        [sys.executable, "-m", "churchpipe", "show", tmp_path], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout
+        assert process.stderr
+        process.stdout.close()
+        said = process.stderr.read()
+    assert (process.returncode, "no results" in said) == ((1, True) if bad else (0, False))
+    assert "Traceback" not in said
