@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -260,3 +261,14 @@ def test_a_vault_that_is_made_heavier_does_not_collapse_where_it_has_no_weight()
     # Lifted, it loses its weight at 1, and flies.
     lifted = limit_analysis(stones, contacts, LoadCase((0, 0, 1)), friction=0.7, flow="non-associative")
     assert lifted.load_factor == pytest.approx(1, abs=1e-5)
+
+
+@pytest.mark.parametrize("flow", ["associative", "non-associative"])
+def test_without_friction_nothing_is_pushed_to_zero(flow: Literal["associative", "non-associative"]) -> None:
+    stones = on_ground(box((0, 1), (0, 1), (0, 2)))
+    contacts = find_contacts(stones)
+    state = limit_analysis(stones, contacts, PUSH, 0.0, flow=flow)
+    assert state.status in ("optimal", "converged")
+    assert state.load_factor == pytest.approx(0.0, abs=1e-9)
+    curve = cp.block_pushover(stones, contacts, PUSH, 0.0, steps=2)
+    assert (curve.status, curve.d0) == ("vanished", pytest.approx(0.0, abs=1e-9))
