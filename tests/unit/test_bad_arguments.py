@@ -242,6 +242,8 @@ def test_names_given_as_objects_are_texts() -> None:
     assert stones.block_id.dtype.kind == "U"
 
 
+WALL = cp.generators.wall(length=1.2, brick=(0.4, 0.25, 0.2), courses=3, materials=(STONE,))
+SHELL = cp.derive_shell(WALL, 0.4)
 ELASTIC = (3.18e9, 0.23, 0.303e9, 0.3, 1e-3)
 TWICE = [STONE, cp.Material("default", 18e3, 0.1)]
 
@@ -261,6 +263,12 @@ OTHERS: list[tuple[Callable[[], Any], str]] = [
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, start=False), r"start: wrong kind; found False"),  # pyright: ignore
     (lambda: cp.block_pushover(STONES, CONTACTS, PUSH, 0.6, ties=None), r"block_pushover: ties: wrong kind"),  # pyright: ignore
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, method=[]), r"method: unknown method"),  # pyright: ignore
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, 10**400), r"friction: .*; found "),
+    (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6, cohesion=10**400), r"cohesion: .*; found "),
+    (lambda: cp.shell_limit_analysis(SHELL, PUSH, [STONE], membrane=np.zeros(2)), r"membrane: unknown element; found \["),  # pyright: ignore
+    (lambda: cp.shell_limit_analysis(SHELL, PUSH, [STONE], stations=np.zeros(0)), r"stations: unknown"),  # pyright: ignore
+    (lambda: cp.shell_limit_analysis(SHELL, PUSH, [STONE], solver=np.zeros(0)), r"solver: unknown value; found ndarray"),  # pyright: ignore
+    (lambda: cp.derive_shell(WALL, 0.4, sizes=np.zeros(2)), r"derive_shell: sizes: wrong kind; found ndarray"),  # pyright: ignore
 ]
 
 
@@ -368,3 +376,18 @@ def test_the_length_of_a_direction_changes_nothing(length: float) -> None:
     assert load.toward == pytest.approx([0.6, -0.8, 0])
     pressure = cp.Pressure("wall", toward=(length, 0, 0), unit_weight=1e4, top=1.0)
     assert pressure.toward == pytest.approx([1, 0, 0])
+
+
+def test_ties_are_taken_from_whatever_gives_them() -> None:
+    bars = [cp.Tie("rod", (0.5, 0.5, 1.75), (-1.4, 0.5, -0.2), strength=2e3)]
+    known = cp.block_pushover(STONES, CONTACTS, PUSH, 0.6, ties=bars, steps=2)
+    for given in ((tie for tie in bars), {"rod": bars[0]}.values(), tuple(bars)):
+        found = cp.block_pushover(STONES, CONTACTS, PUSH, 0.6, ties=given, steps=2)  # pyright: ignore
+        np.testing.assert_array_equal(found.tie_forces, known.tie_forces)
+        assert found.given == known.given
+
+
+def test_a_support_may_be_one_number() -> None:
+    paths = [cp.settlement_path(STONES, CONTACTS, given, friction=0.6, step=0.05, steps=1) for given in (0, [0])]
+    np.testing.assert_array_equal(paths[0].reaction, paths[1].reaction)
+    assert paths[0].given == paths[1].given

@@ -114,9 +114,9 @@ def shell_elements(shell: ShellModel, membrane: Membrane = "LST", stations: Stat
     ------
     InputError: unknown kind of membrane or stations.
     """
-    if membrane not in get_args(Membrane):
+    if not isinstance(membrane, str) or membrane not in get_args(Membrane):
         raise InputError("membrane", "unknown element", found=membrane, expected=", ".join(get_args(Membrane)))
-    if stations not in get_args(Stations):
+    if not isinstance(stations, str) or stations not in get_args(Stations):
         raise InputError("stations", "unknown points", found=stations, expected=", ".join(get_args(Stations)))
     edges = find_edges(shell.triangles)
     places = _STATIONS[membrane, stations if membrane == "LST" else "inner"]

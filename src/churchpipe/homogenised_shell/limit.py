@@ -8,7 +8,6 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.bounds import Bounds, proved_bounds
 from churchpipe.homogenised_shell.condensed import CondensedShell
 from churchpipe.homogenised_shell.element import Membrane, ShellElements, Stations, shell_elements
@@ -16,7 +15,7 @@ from churchpipe.homogenised_shell.joint_groups import with_bearings
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.strength import with_warning
 from churchpipe.homogenised_shell.ties import tied_analysis
-from churchpipe.model.arguments import check_call, check_kind, listed
+from churchpipe.model.arguments import check_call, check_kind, listed, one_of
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
@@ -82,8 +81,7 @@ def shell_limit_analysis(
     check_kind("shell_limit_analysis: load", load, LoadCase)
     check_call("shell_limit_analysis: progress", progress)
     shell, materials = with_bearings(shell, listed("shell_limit_analysis: materials", materials, JointStrength))
-    if solver not in get_args(Solver):
-        raise InputError("solver", "unknown solver", found=solver, expected=", ".join(get_args(Solver)))
+    one_of("solver", solver, *get_args(Solver))
     begin = perf_counter()
     elements = shell_elements(shell, membrane, stations)
     bars = listed("shell_limit_analysis: ties", ties, Tie)

@@ -144,7 +144,7 @@ def block_pushover(
     for name, given, kind in states:
         if given is not None:
             check_kind(f"block_pushover: {name}", given, kind)
-    listed("block_pushover: ties", ties, Tie)
+    ties = listed("block_pushover: ties", ties, Tie)
     doubt_argument("block_pushover: friction", friction, JointStrength, "friction")
     doubt_argument("block_pushover: compressive_strength", compressive_strength, JointStrength, "compressive_strength")
     one_of("block_pushover: contact_model", contact_model, *get_args(ContactModel))

@@ -120,10 +120,10 @@ def settlement_path(
         doubt([WHOLE_GROUND.format("The support")] if stands_on(stones, contacts, chosen) else ())
     if halo:
         speed = stone_speed(stones, least.velocities)
-        moving = (speed > PATH.still * reference_speed(speed)) | _upon(contacts, np.asarray(support), stones.count)
+        moving = (speed > PATH.still * reference_speed(speed)) | _upon(contacts, np.atleast_1d(support), stones.count)
         model = replace(model, held=held_around(stones, contacts.blocks, moving, halo))
     record = _Movement(model, furthest, int(steps), progress, keep, least.reaction)
-    moves = [np.sort(np.asarray(support)), direction, about]
+    moves = [np.sort(np.atleast_1d(support)), direction, about]
     dead = dead.dead if isinstance(dead, LoadCase) else dead
     record.given = digests(
         movement=moves, dead_load=dead, friction=friction, strength=compressive_strength, contact_model=contact_model

@@ -65,7 +65,7 @@ def doubt_argument(name: str, values: Any, kind: type, field: str) -> None:
         return
     try:
         found = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         # What is no number is refused by whoever called.
         return
     # What is not finite is refused, too, or says that there is no such limit.

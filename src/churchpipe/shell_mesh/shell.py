@@ -66,7 +66,7 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
     if bodies and not building.panels:
         found, remedy = ", ".join(bodies[0].panel[bodies[1]].tolist()), "Rigid blocks take them as they are."
         raise InputError(f"building {building.name}", "the shell of a vault alone has no ring beams", found=found, remedy=remedy)
-    parts = [_walls(building, bodies, _sizes(building, element_size, sizes or {}))] if building.panels else []
+    parts = [_walls(building, bodies, _sizes(building, element_size, {} if sizes is None else sizes))] if building.panels else []
     if building.vaults:
         vaults = _vault_shell(building, element_size)
         shell = side_by_side(parts[0], vaults) if parts else vaults
