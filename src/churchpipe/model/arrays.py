@@ -1,8 +1,9 @@
 """Array types, and the checks that every frozen dataclass of arrays runs on itself."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 from functools import lru_cache
-from typing import Any, get_type_hints
+from typing import Any, cast, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -17,11 +18,40 @@ BoolArray = np.ndarray[tuple[Any, ...], np.dtype[np.bool_]]
 NameArray = np.ndarray[tuple[Any, ...], np.dtype[np.str_]]
 
 
+class ReadOnly:
+    """A frozen dataclass of arrays that stay read-only in its copies, and in other processes that it is sent to."""
+
+    __slots__ = ()
+
+    def __init_subclass__(cls) -> None:
+        """Set what `dataclass` would set without that."""
+        super().__init_subclass__()
+        cls.__setstate__ = _restore
+
+
+def _restore(instance: Any, state: Sequence[object]) -> None:
+    for item, value in zip(fields(instance), state, strict=True):
+        if isinstance(value, np.ndarray):
+            value.setflags(write=False)
+        object.__setattr__(instance, item.name, value)
+
+
 def _frozen(array: npt.NDArray[Any], given: object) -> npt.NDArray[Any]:
-    # A caller's own array stays writable: only a copy of it is made read-only.
-    out = array.copy() if array is given and array.flags.writeable else array
+    # What somebody else can write to stays so, and only a copy of it is kept: a caller's array, or what one was made of without
+    # a copy, as of a column of pandas.
+    out = array if isinstance(given, list | tuple) or not _writable(array) else array.copy()
     out.setflags(write=False)
     return out
+
+
+def _writable(array: npt.NDArray[Any]) -> bool:
+    """Return whether what an array shows can be written to, in it or in what owns it."""
+    owner: object = array
+    while isinstance(owner, np.ndarray):
+        if owner.flags.writeable:
+            return True
+        owner = cast("object", owner.base)
+    return owner is not None
 
 
 def array_of(name: str, value: object, kinds: str, expected: str) -> npt.NDArray[Any]:
@@ -108,9 +138,9 @@ def one_each(name: str, array: npt.NDArray[Any], count: int) -> npt.NDArray[Any]
     return np.broadcast_to(array, (count,)).copy()
 
 
-def store(instance: object, **fields: object) -> None:
+def store(instance: object, **checked: object) -> None:
     """Set checked fields on a frozen dataclass from inside its `__post_init__`."""
-    for key, value in fields.items():
+    for key, value in checked.items():
         object.__setattr__(instance, key, value)
 
 

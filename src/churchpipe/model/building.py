@@ -7,7 +7,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of, positive, text, whole
-from churchpipe.model.arrays import FloatArray, flags, floats, indices, store
+from churchpipe.model.arrays import FloatArray, ReadOnly, flags, floats, indices, store
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import MOST_COUNTED, Distance, Quantity
 from churchpipe.model.ring_beam import RingBeam
@@ -20,7 +20,7 @@ MOST_STONES = 100_000
 
 
 @dataclass(frozen=True, slots=True)
-class PlaneChart:
+class PlaneChart(ReadOnly):
     """A flat mid-surface: x = origin + s s_axis + t t_axis; thickness along s_axis x t_axis. origin in m, unit axes."""
 
     origin: FloatArray
@@ -36,7 +36,7 @@ class PlaneChart:
 
 
 @dataclass(frozen=True, slots=True)
-class CylinderChart:
+class CylinderChart(ReadOnly):
     """A vertical cylinder of mid-radius `radius`: s is arc length from the angle `start` (rad, counter-clockwise), t height.
 
     The arc turns by `sweep` (rad); beyond it, s < 0 or s > radius sweep, the wall runs on straight along the tangents: the
@@ -72,7 +72,7 @@ class UnitCell:
 
 
 @dataclass(frozen=True, slots=True)
-class BondRegion:
+class BondRegion(ReadOnly):
     """Part of a panel that is laid in one bond.
 
     outline (n, 2) m in chart coordinates, counter-clockwise. pattern: "running", "stack", "header-stretcher", "voussoir" (a ring
@@ -120,7 +120,7 @@ class BondRegion:
 
 
 @dataclass(frozen=True, slots=True)
-class Opening:
+class Opening(ReadOnly):
     """A hole in a panel: outline (n, 2) m in chart coordinates, counter-clockwise.
 
     kind: "rectangular", with upright and level edges, or "arched", with others. Through a curved wall the former is cut radially,
@@ -139,7 +139,7 @@ class Opening:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class Part(ReadOnly):
     """A macro-element that takes up part of a panel: its name and outline (n, 2) m in chart coordinates."""
 
     name: str
@@ -150,7 +150,7 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
-class Panel:
+class Panel(ReadOnly):
     """A wall: chart, outline (n, 2) m counter-clockwise, thickness m, openings, material name, bond regions.
 
     The outline reaches over the whole footprint, junctions included: who owns a junction is derived from the footprints.
@@ -247,7 +247,7 @@ class Junction:
 
 
 @dataclass(frozen=True, slots=True)
-class Support:
+class Support(ReadOnly):
     """A fixed body that is not the ground plane, such as the skewback of an arch: points (n, 3) m, faces outward."""
 
     name: str

@@ -4,8 +4,10 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from html import escape
 
+from churchpipe.model.arrays import ReadOnly
 
-class Shown:
+
+class Shown(ReadOnly):
     """What shows itself as a small table in a notebook, and as a line of the same where it is printed."""
 
     __slots__ = ()

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_order, describe, finite, listed, text
-from churchpipe.model.arrays import FloatArray, floats, store
+from churchpipe.model.arrays import FloatArray, ReadOnly, floats, store
 from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual, in_range
 
@@ -32,7 +32,7 @@ _ON_AN_AREA = Usual(0, 50, "roofs have 1 to 3, floors with what stands on them u
 
 
 @dataclass(frozen=True, slots=True)
-class LineLoad:
+class LineLoad(ReadOnly):
     """A load along a wall: on its top, or at a height.
 
     Parameters
@@ -112,7 +112,7 @@ class LineLoad:
 
 
 @dataclass(frozen=True, slots=True)
-class PointLoad:
+class PointLoad(ReadOnly):
     """A load at a point of a wall: on its top, or at a height.
 
     Parameters
@@ -265,7 +265,7 @@ class AreaLoad:
 
 
 @dataclass(frozen=True, slots=True)
-class Pressure:
+class Pressure(ReadOnly):
     """Soil or water against a wall: coefficient (unit_weight (top - z) + surcharge) on one of its faces below z = top.
 
     It is a dead load: its mass does not push.

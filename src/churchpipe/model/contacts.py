@@ -13,6 +13,7 @@ from churchpipe.model.arrays import (
     FloatArray,
     IntArray,
     NameArray,
+    ReadOnly,
     floats,
     pointers,
     rows_of,
@@ -66,7 +67,7 @@ def _none(*shape: int) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class NearMisses:
+class NearMisses(ReadOnly):
     """Pairs of faces that face each other closely and are no joint.
 
     Fields: stones (n, 2); gap (n,) m, how far the faces are apart in the middle of what they share, negative where they

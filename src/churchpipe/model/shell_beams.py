@@ -5,11 +5,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray, indices, store, store_arrays
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray, ReadOnly, indices, store, store_arrays
 
 
 @dataclass(frozen=True, slots=True)
-class ShellBeams:
+class ShellBeams(ReadOnly):
     """Rigid bodies that take nodes of a shell along.
 
     Fields: name, material (nm,); centroid (nm, 3) m; weight (nm,) N; of_node (nn,), the beam that a node is held by, -1 for none;
@@ -49,4 +49,6 @@ class ShellBeams:
 
 
 def _beams(where: str, value: IntArray, count: int) -> IntArray:
-    return indices(where, np.asarray(value) + 1, (len(value),), below=count + 1) - 1
+    checked = indices(where, np.asarray(value) + 1, (len(value),), below=count + 1) - 1
+    checked.setflags(write=False)
+    return checked

@@ -7,7 +7,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, listed, whole
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, flags, floats, indices, rows_of, store
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ReadOnly, flags, floats, indices, rows_of, store
 from churchpipe.model.assemblage import Assemblage
 
 # A path is proved when forces balance and keep to their friction cones to the first, and motions fit forces to the second.
@@ -21,7 +21,7 @@ _SAME = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class FallenStones:
+class FallenStones(ReadOnly):
     """Stones that nothing held any more and that were taken out: which, and the displacement or movement at that moment."""
 
     displacement: float
@@ -32,7 +32,7 @@ class FallenStones:
 
 
 @dataclass(frozen=True, slots=True)
-class LastStep:
+class LastStep(ReadOnly):
     """Forces and motion of the last step of a path, with which it goes on as if it had not been interrupted.
 
     pair (k, 2): the stones of each point of contact; point (k, 3) m: where it lies, displaced. pressing (k,) and shear (k, 3), in
@@ -68,7 +68,7 @@ class LastStep:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StonePath:
+class StonePath(ReadOnly):
     """Where stones are at each step of a path, and what proves that they may be there.
 
     position (ns, nb, 3) m, the centroids; rotation (ns, nb, 3) rad, rotation vectors from the drawing. largest (ns,) m, the

@@ -7,11 +7,11 @@ import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite, listed, text
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray, floats, indices, rows_of, store, store_arrays
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray, ReadOnly, floats, indices, rows_of, store, store_arrays
 
 
 @dataclass(frozen=True, slots=True)
-class Anchor:
+class Anchor(ReadOnly):
     """Where an end of a tie pulls.
 
     Parameters
@@ -43,7 +43,7 @@ class Anchor:
 
 
 @dataclass(frozen=True, slots=True)
-class Tie:
+class Tie(ReadOnly):
     """A bar without weight between two anchors: it pulls with 0 <= T <= strength, and never pushes.
 
     The bar is ductile.

@@ -7,11 +7,11 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, finite, listed, one_of, positive, text, whole
-from churchpipe.model.arrays import FloatArray, IntArray, floats, indices, rows_of, store
+from churchpipe.model.arrays import FloatArray, IntArray, ReadOnly, floats, indices, rows_of, store
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class Section(ReadOnly):
     """Section of a course: corner (k, 2) m, a simple polygon in (d, z), counter-clockwise, d being the distance from the side's
     reference line, z height. lower, upper (2,) m: the middles of its joints with the courses below and above."""
 
@@ -63,7 +63,7 @@ class Section:
 
 
 @dataclass(frozen=True, slots=True)
-class Side:
+class Side(ReadOnly):
     """One side of a path in plan: a point of the reference line, m, its normal and its direction, unit vectors (2,)."""
 
     origin: FloatArray
@@ -79,7 +79,7 @@ class Side:
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class Run(ReadOnly):
     """A course along one side, cut into segments at stations: vertical planes s = a + c d, s along the side.
 
     stations (m + 1, 2): a in m, and c, in order along the side. stone (m,): the stone that each segment belongs to; all segments
