@@ -243,6 +243,7 @@ def test_names_given_as_objects_are_texts() -> None:
 
 
 WALL = cp.generators.wall(length=1.2, brick=(0.4, 0.25, 0.2), courses=3, materials=(STONE,))
+STATE = cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6)
 SHELL = cp.derive_shell(WALL, 0.4)
 ELASTIC = (3.18e9, 0.23, 0.303e9, 0.3, 1e-3)
 TWICE = [STONE, cp.Material("default", 18e3, 0.1)]
@@ -268,6 +269,14 @@ OTHERS: list[tuple[Callable[[], Any], str]] = [
     (lambda: cp.shell_limit_analysis(SHELL, PUSH, [STONE], membrane=np.zeros(2)), r"membrane: unknown element; found \["),  # pyright: ignore
     (lambda: cp.shell_limit_analysis(SHELL, PUSH, [STONE], stations=np.zeros(0)), r"stations: unknown"),  # pyright: ignore
     (lambda: cp.shell_limit_analysis(SHELL, PUSH, [STONE], solver=np.zeros(0)), r"solver: unknown value; found ndarray"),  # pyright: ignore
+    (lambda: cp.rank_ties(STATE, [], STONES, None, PUSH), r"rank_ties: contacts: wrong kind; found None"),  # pyright: ignore
+    (lambda: cp.rank_ties(STATE, [], STONES, CONTACTS, "+x"), r"rank_ties: load: wrong kind; found '\+x'"),  # pyright: ignore
+    (lambda: cp.shell_loaded("+x", SHELL, STONES, []), r"shell_loaded: load: wrong kind; found '\+x'"),  # pyright: ignore
+    (lambda: cp.with_ring_beams(STONES, ["a"], height=None), r"ring beam: height: not a number; found None"),  # pyright: ignore
+    (
+        lambda: cp.minimum_thickness(lambda _: STONES, 0.1, 0.2, contact_model=np.zeros(2)),  # pyright: ignore
+        r"minimum_thickness: contact_model: unknown value; found ndarray",
+    ),
     (lambda: cp.derive_shell(WALL, 0.4, sizes=np.zeros(2)), r"derive_shell: sizes: wrong kind; found ndarray"),  # pyright: ignore
 ]
 

@@ -102,6 +102,7 @@ def shell_loaded(
     InputError
         As `loaded`; loads on walls that the shell does not have.
     """
+    check_kind("shell_loaded: load", load, LoadCase)
     check_kind("shell_loaded: shell", shell, ShellModel)
     placed = loads if isinstance(loads, PlacedLoads) else place_loads(stones, loads)
     _check_walls(shell, placed)

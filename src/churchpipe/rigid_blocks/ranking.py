@@ -76,6 +76,8 @@ def rank_ties(
     """
     check_kind("rank_ties: state", state, LimitState)
     check_kind("rank_ties: stones", stones, Assemblage)
+    check_kind("rank_ties: contacts", contacts, Contacts)
+    check_kind("rank_ties: load", load, LoadCase)
     candidates = listed("rank_ties: candidates", candidates, Tie)
     whole("rank_ties: verify", verify, least=0)
     check_state_of("rank_ties", state, stones, contacts, load)

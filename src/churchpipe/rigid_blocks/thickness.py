@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
 from churchpipe.conic.solve import Solve, solver_for
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_call, check_kind, finite, positive
+from churchpipe.model.arguments import check_call, check_kind, finite, one_of, positive
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
@@ -83,6 +84,7 @@ def minimum_thickness(
     """
     positive("minimum_thickness: low", low)
     positive("minimum_thickness: tolerance", tolerance)
+    one_of("minimum_thickness: contact_model", contact_model, *get_args(ContactModel))
     if not finite("minimum_thickness: high", high) > low:
         raise InputError("minimum_thickness: high", "not above low", found=high, expected=f"> {low:g} m")
     check_call("minimum_thickness: make", make, needed=True)

@@ -91,6 +91,7 @@ def with_ring_beams(
     """
     check_kind("with_ring_beams: stones", stones, Assemblage)
     positive("ring beam: unit weight", unit_weight)
+    positive("ring beam: height", height)
     doubt_argument("with_ring_beams: unit_weight", unit_weight, UnitWeight, "unit_weight")
     beam = RingBeam(tuple(listed("with_ring_beams: walls", walls, str)), height, width, begin, end, closed, slab)
     return add_beams(stones, [beam], dict.fromkeys(stones.material.tolist(), unit_weight))
