@@ -31,6 +31,8 @@ UNFINISHED = "unfinished.txt"
 LOCAL = "local"
 # Loads its libraries while the plan of the run is made, and waits for its orders.
 _WAITING = "churchpipe.waiting_engine"
+# Dates of files are no finer than this on any system, ns.
+_TICK = 10**9
 # What the engine says where it cannot note which stages it has finished.
 _NO_ROOM = re.compile("No space left on device|Disk quota exceeded|Read-only file system")
 # What the engine says of the command of a stage that failed: its name, that of its result, and its exit status.
@@ -134,6 +136,7 @@ def run(
         watch(event)
 
     with _only_run(folder) as lock, _stopped(engine.process):
+        _date_back(folder)
         if prepare:
             prepare()
         # Until the run has ended well, what lies here may be of an older case.
@@ -266,6 +269,14 @@ def crashes(folder: Path) -> str:
     if not told and (full := _NO_ROOM.search(log)):
         return f"{folder}: {full[0]}. Make room there, or choose another folder with --out; what is finished stays."
     return "\n".join(dict.fromkeys(told)) or f"A stage crashed; see {folder / 'run.log'}"
+
+
+def _date_back(folder: Path) -> None:
+    """Date what a clock that was ahead has dated after now: else what changes from now on would be older than its results."""
+    now = time.time_ns() - _TICK
+    for path in folder.rglob("*"):
+        if path.lstat().st_mtime_ns > now + _TICK:
+            os.utime(path, ns=(now, now), follow_symlinks=False)
 
 
 @contextmanager

@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -269,6 +270,15 @@ def test_a_new_friction_reruns_the_solves_alone(pristine: Copy) -> None:
     assert pristine.stale("material.default.friction=0.5") == {"rigid": 2, **RESULTS}
     assert pristine.stale("rigid.start=uniform") == {"rigid": 1, **RESULTS}
     assert pristine.stale() == {}
+
+
+def test_results_of_a_clock_that_was_ahead_are_not_taken_for_newer(pristine: Copy) -> None:
+    later = time.time() + 1e8
+    for path in pristine.out.rglob("*"):
+        os.utime(path, (later, later), follow_symlinks=False)
+    code, out, err = pristine.run("--set", "material.default.friction=0.5")
+    assert code == 0, err
+    assert re.search(r"associative +0\.5 ", out)
 
 
 @pytest.mark.slow
