@@ -9,6 +9,7 @@ import json
 import os
 import tomllib
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from churchpipe.engine import UNFINISHED
@@ -31,13 +32,25 @@ def run_name(case: Path) -> str:
     return name if isinstance(name, str) else ""
 
 
-def note_finished(folder: Path, case: Path, changes: Sequence[str], drawing: Path | None, *, good: bool) -> None:
-    """Note that a folder holds the results of a case with these changes, are they good or not, and of this drawing, if of one."""
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What a run is asked for as it begins: the question, and the drawing as it was, if there is one."""
+
+    question: str
+    drawing: _Stamps
+
+
+def asked(case: Path, changes: Sequence[str], drawing: Path | None) -> Asked:
+    """Return what a case with these changes asks for, before any stage reads it: it may be edited while the run is at work."""
+    return Asked(_question(case, changes), _stamps(case.parent, [drawing.resolve()] if drawing else []))
+
+
+def note_finished(folder: Path, begun: Asked, *, good: bool) -> None:
+    """Note that a folder holds the results of what was asked for, are they good or not."""
     engine = folder.resolve() / RECORD.parent
     files = [path for path in _files(folder) if engine not in path.parents]
-    inside = [path.relative_to(folder.resolve()) for path in files]
-    stamps = _stamps(folder, [*inside, *([drawing.resolve()] if drawing else [])])
-    write_text(folder / RECORD, json.dumps({"question": _question(case, changes), "good": good, "files": stamps}))
+    stamps = _stamps(folder, [path.relative_to(folder.resolve()) for path in files]) | begun.drawing
+    write_text(folder / RECORD, json.dumps({"question": begun.question, "good": good, "files": stamps}))
 
 
 def finished(folder: Path, case: Path, changes: Sequence[str]) -> bool | None:

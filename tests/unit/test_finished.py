@@ -9,7 +9,7 @@ import pytest
 
 from case_texts import WALL, case_file
 from churchpipe.engine import UNFINISHED
-from churchpipe.finished import finished, note_finished, run_name
+from churchpipe.finished import asked, finished, note_finished, run_name
 
 
 @pytest.fixture
@@ -20,7 +20,7 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
     for name in (".snakemake/state", "plan.json", "rigid/+x/rigid.json"):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text("{}")
-    note_finished(folder, case, ["load.scale=2"], None, good=True)
+    note_finished(folder, asked(case, ["load.scale=2"], None), good=True)
     return case, folder
 
 
@@ -68,10 +68,22 @@ def test_a_copy_of_a_folder_tells_of_its_own_files(run: tuple[Path, Path]) -> No
 def test_a_drawing_is_a_part_of_the_question(tmp_path: Path) -> None:
     case, drawing = case_file(tmp_path, WALL), tmp_path / "stones.dxf"
     drawing.write_text("0")
-    note_finished(tmp_path / "run", case, [], drawing, good=False)
+    note_finished(tmp_path / "run", asked(case, [], drawing), good=False)
     assert finished(tmp_path / "run", case, []) is False
     drawing.write_text("1 2")
     assert finished(tmp_path / "run", case, []) is None
+
+
+@pytest.mark.parametrize("edited", ["case", "drawing", ""])
+def test_what_is_edited_during_a_run_is_not_answered_by_it(edited: str, tmp_path: Path) -> None:
+    case, drawing = case_file(tmp_path, WALL), tmp_path / "stones.dxf"
+    drawing.write_text("0")
+    begun = asked(case, [], drawing)
+    if edited:
+        path = case if edited == "case" else drawing
+        path.write_text(path.read_text() + "\n")
+    note_finished(tmp_path / "run", begun, good=True)
+    assert finished(tmp_path / "run", case, []) is (None if edited else True)
 
 
 def test_nothing_is_finished_that_never_ran(tmp_path: Path) -> None:

@@ -87,6 +87,7 @@ def _run(
     from churchpipe.config.plausible import work_questions
     from churchpipe.config.selection import Selection, selected
     from churchpipe.configuring import configure
+    from churchpipe.finished import asked as asked_for
     from churchpipe.finished import note_finished
     from churchpipe.terminal import Display
 
@@ -101,6 +102,8 @@ def _run(
     ask(work_questions(chosen))
     _check_buildings(chosen)
     folder = folder_of(case, cases[0].name, out_dir)
+    source = cases[0].source
+    begun = asked_for(case, asked, None if isinstance(source, Generated) else source.path)
 
     def prepare(place: Path = folder) -> None:
         configure(case, place, changes, selection)
@@ -132,8 +135,7 @@ def _run(
     from churchpipe.io.summary import read_summary
 
     good = not bad_news(read_summary(folder / "summary.json"))
-    source = cases[0].source
-    note_finished(folder, case, asked, None if isinstance(source, Generated) else source.path, good=good)
+    note_finished(folder, begun, good=good)
     _print_run(folder, good=good)
 
 
