@@ -1,5 +1,7 @@
 """The one exception that users meet: what is wrong, where, and how to mend it."""
 
+from typing import Any
+
 INSTALL = "pip install 'churchpipe[all]' installs all that churchpipe can use."
 
 
@@ -30,9 +32,20 @@ class InputError(ValueError):
         message += "" if message.endswith((".", "?")) else "."
         super().__init__(f"{message} {remedy}".strip())
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let the error come whole from another process, whatever was found."""
+        kept = isinstance(self.found, str | int | float | tuple | None)
+        return _again, (self.__class__, self.args), {**self.__dict__, "found": self.found if kept else str(self.found)}
+
     def at(self, where: str) -> "InputError":
         """Return the same error of another place."""
         return InputError(where, self.problem, found=self.found, expected=self.expected, remedy=self.remedy)
+
+
+def _again(kind: type[InputError], arguments: tuple[Any, ...]) -> InputError:
+    error = kind.__new__(kind)
+    error.args = arguments
+    return error
 
 
 class Extra:

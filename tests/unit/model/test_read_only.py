@@ -1,4 +1,4 @@
-"""Arrays of models and results stay as they were checked: in copies, in other processes, and beside those of their caller."""
+"""Models, results and errors stay as they were checked: in copies, in other processes, and beside the arrays of their caller."""
 
 import copy
 import pickle
@@ -12,6 +12,8 @@ import pandas as pd
 import pytest
 
 import churchpipe as cp
+from churchpipe.errors import InputError, UsageError
+from churchpipe.findings import Finding, Findings, FindingsError
 from churchpipe.model.arrays import floats
 from solids import box, on_ground
 
@@ -49,6 +51,22 @@ def test_a_copy_has_the_same_arrays_that_nobody_can_write_to(value: Any, way: Ca
         np.testing.assert_array_equal(new, old)
         assert not old.flags.writeable
         assert not new.flags.writeable
+
+
+ERRORS = [
+    InputError("a", "wrong", found=lambda: 0, expected="right", remedy="Mend it."),
+    UsageError("--a", "wrong", found=(1, 2.0)),
+    FindingsError(Findings("a.dxf", (Finding("E12", "no support"),))),
+]
+
+
+@pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
+def test_an_error_comes_whole_from_another_process(error: InputError) -> None:
+    sent = pickle.loads(pickle.dumps(error))
+    assert (type(sent), str(sent), sent.where, sent.remedy) == (type(error), str(error), error.where, error.remedy)
+    assert str(sent.found) == str(error.found)
+    assert getattr(sent, "findings", None) == getattr(error, "findings", None)
+    assert sent.at("b").where == "b"
 
 
 @pytest.mark.parametrize("given", [array("d", [1.0, 2.0]), pd.Series([1.0, 2.0]), np.arange(4.0)[1:3]], ids=lambda one: type(one))
