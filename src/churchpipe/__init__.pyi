@@ -16,6 +16,7 @@ from .io.exchange import load as load
 from .io.exchange import save as save
 from .io.exchange import to_meshio as to_meshio
 from .io.exchange import to_pandas as to_pandas
+from .io.obj import write_obj as write_obj
 from .large_displacements.pushover import block_pushover as block_pushover
 from .large_displacements.settlement import settlement_analysis as settlement_analysis
 from .large_displacements.settlement_path import settlement_path as settlement_path
@@ -29,7 +30,6 @@ from .loading.ties import place_ties as place_ties
 from .loading.wrenches import loaded as loaded
 from .loading.wrenches import shell_loaded as shell_loaded
 from .match import match_models as match_models
-from .meshes.obj import write_obj as write_obj
 from .meshes.reader import read_stones as read_stones
 from .model.assemblage import Assemblage as Assemblage
 from .model.block_curve import BlockCapacityCurve as BlockCapacityCurve

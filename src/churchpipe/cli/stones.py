@@ -192,7 +192,7 @@ def export_obj(
     changes: Changes = None,
 ) -> None:
     """Write the stones of a case as a mesh (Wavefront OBJ) for other programs: an object for each stone, in metres."""
-    from churchpipe.meshes.obj import write_obj
+    from churchpipe.io.obj import write_obj
 
     if mesh.suffix.lower() != ".obj":
         raise UsageError(f"--out {mesh}", "not the name of a mesh", expected="a name that ends in .obj")
