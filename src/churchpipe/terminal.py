@@ -23,6 +23,7 @@ from churchpipe.io.summary import Summary, read_summary
 from churchpipe.model.checks import DisplacementCheck, SafetyCheck
 from churchpipe.model.names import AS_IT_IS, GOOD
 from churchpipe.model.quantities import in_unit
+from churchpipe.model.swept import friction_of_material
 from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
 from churchpipe.report.table import interval_text
 from churchpipe.wording import counted
@@ -152,7 +153,7 @@ def results_table(summary: Summary) -> Table:
     title = sizes_words(summary)
     table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     both = len({analysis.model for analysis in analyses}) > 1
-    swept = [key for key in dict.fromkeys(k for a in analyses for k in a.swept) if not key.endswith(".friction")]
+    swept = [key for key in dict.fromkeys(k for a in analyses for k in a.swept) if not friction_of_material(key)]
     variants = any(analysis.variant for analysis in analyses)
     for title in (
         *(["variant"] if variants else []),

@@ -41,6 +41,17 @@ def test_rows_of_a_sweep_differ_on_a_narrow_terminal(width: int) -> None:
         assert record.name in first
 
 
+def test_frictions_of_single_joints_that_are_swept_have_a_column() -> None:
+    records = tuple(
+        analysis(flow="associative", swept={"material.default.friction": 0.7, "joints.0.friction": mu}) for mu in (0.25, 0.35)
+    )
+    text = shown(results_table(replace(summary(), analyses=records)), 120)
+    assert "joints.0.friction" in text
+    assert "material.default.friction" not in text
+    assert "0.25" in text
+    assert "0.35" in text
+
+
 def test_a_long_name_of_a_run_is_whole(tmp_path: Path) -> None:
     name = "church_with_" * 8 + "end"
     (tmp_path / name).mkdir()

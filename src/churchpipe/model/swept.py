@@ -30,6 +30,11 @@ def of_shell(key: str) -> bool:
     return bool(_SHELL.match(key))
 
 
+def friction_of_material(key: str) -> bool:
+    """Whether a key is the friction of a material, which every analysis says by itself; that of single joints it does not."""
+    return key.startswith("material.") and key.endswith(".friction")
+
+
 def of_both(key: str) -> bool:
     """Whether a key asks both models another question: analyses that differ in it are no pair."""
     return not (of_rigid_blocks(key) or of_shell(key))

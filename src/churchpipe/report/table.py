@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from churchpipe.io.records import Analysis, Strength
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
+from churchpipe.model.swept import friction_of_material
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,13 +132,13 @@ def minus(text: str) -> str:
 
 
 def swept(row: Row) -> dict[str, str]:
-    """Return the swept settings of a row and their values; friction has a column of its own."""
+    """Return the swept settings of a row and their values; friction of the material has a column of its own."""
     alone = not isinstance(row.record.friction, dict)
-    return {key: str(value) for key, value in row.record.swept.items() if not (alone and key.endswith(".friction"))}
+    return {key: str(value) for key, value in row.record.swept.items() if not (alone and friction_of_material(key))}
 
 
 def heading(key: str) -> str:
-    """Return the last part of a dotted key of the case file as words, and its unit: "stone length, m"."""
+    """Return a dotted key of the case file as words with its unit: "stone length, m", or "friction of brick" for a material."""
     words, unit = _words_and_unit(key)
     return f"{words}, {unit}" if unit else words
 
@@ -154,11 +155,20 @@ def named_of(name: str, variant: str | None, settings: Mapping[str, object]) -> 
 
 
 def _words_and_unit(key: str) -> tuple[str, str]:
-    name, _, unit = _UNIT.sub(r"|\1", key.rsplit(".", 1)[-1]).partition("|")
-    return name.replace("_", " "), unit.replace("_", "/").replace("3", "\u00b3").replace("s2", "s\u00b2")
+    root, *inner = key.split(".")
+    *owner, last = inner or [root]
+    # An entry of a list is told by its number: the first of "source.brick_mm.0".
+    number = f".{last}" if last.isdecimal() and owner else ""
+    last = owner.pop() if number else last
+    name, _, unit = _UNIT.sub(r"|\1", last).partition("|")
+    # A material, a load or a tie has the same keys as others of its kind.
+    if owner and (owner[0].isdecimal() or root == "joints"):
+        owner[0] = f"{root}.{owner[0]}"
+    of = f" of {'.'.join(owner)}" if owner and owner != ["default"] else ""
+    return f"{name.replace('_', ' ')}{number}{of}", unit.replace("_", "/").replace("2", "\u00b2").replace("3", "\u00b3")
 
 
-_UNIT = re.compile(r"_(mm|m|kPa|MPa|GPa|kN_m3|m_s2|percent|deg)$")
+_UNIT = re.compile(r"_(mm|mm2|m|kPa|MPa|GPa|kN|kN_m|kN_m2|kN_m3|m_s2|s|g|percent|deg)$")
 
 
 def friction_text(row: Row) -> str:

@@ -12,7 +12,7 @@ from churchpipe.io.summary import VariantResult
 from churchpipe.report import colours
 from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
 from churchpipe.report.safety import safety_index, what_moves
-from churchpipe.report.table import Row, figure, minus, setting, swept
+from churchpipe.report.table import Row, figure, minus, setting
 
 AS_IS = "as it is"
 
@@ -60,9 +60,8 @@ def variants_section(variants: Sequence[VariantResult], analyses: Sequence[Analy
 
 
 def _asked(row: Row) -> str:
-    """Return the load of an analysis with what is swept besides, its mesh left out."""
-    others = [setting(key, value) for key, value in swept(row).items()]
-    return ", ".join([row.load, *others])
+    """Return the load of an analysis with all that is swept besides, its friction and its mesh too."""
+    return ", ".join([row.load, *(setting(key, value) for key, value in row.record.swept.items())])
 
 
 def _kind(row: Row) -> str:
@@ -76,7 +75,8 @@ def _factor(row: Row | None, asis: Row | None, name: str) -> tuple[str, str]:
     value, before = row.value("load_factor"), asis.value("load_factor") if asis else None
     if value is None:
         return row.status, ""
-    if name == AS_IS or not before or not math.isfinite(before) or not math.isfinite(value):
+    # What bears less than nothing has no shares.
+    if name == AS_IS or before is None or not 0 < before < math.inf or not math.isfinite(value):
         return figure(value, 4), ""
     return figure(value, 4), minus(f"{100 * (value / before - 1):+.1f} %")
 

@@ -9,13 +9,14 @@ import pytest
 
 from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.results import Iteration, StartRun
+from churchpipe.report.both import partner
 from churchpipe.report.html import _cards
 from churchpipe.report.notes import convergence_note
 from churchpipe.report.plots import convergence_svg
 from churchpipe.report.published import published_rows
 from churchpipe.report.safety import part_overview, what_moves
 from churchpipe.report.sensitivity import sensitivity_plots
-from churchpipe.report.table import Row, heading, setting
+from churchpipe.report.table import Row, columns_for, heading, setting
 from records import analysis
 from report_pages import Page, record_of, report, state_of, tower
 
@@ -86,6 +87,36 @@ def test_settings_have_units() -> None:
     assert heading("material.default.unit_weight_kN_m3") == "unit weight, kN/m\u00b3"
     assert setting("shell.planes", "cell") == "planes cell"
     assert heading("material.default.friction") == "friction"
+    assert heading("ties.north.strength_kN") == "strength of north, kN"
+    assert setting("check.spectrum.TC_star_s", 0.4) == "TC star of spectrum 0.4 s"
+
+
+def test_settings_of_one_name_are_told_apart() -> None:
+    keys = (
+        ("source.thickness_m", "source.apse.thickness_m"),
+        ("material.default.friction", "material.brick.friction", "joints.base.friction", "joints.0.friction"),
+        ("source.brick_mm.0", "source.brick_mm.2", "source.openings.0.width_mm", "source.openings.1.width_mm"),
+        ("material.nave.unit_weight_kN_m3", "material.tower.unit_weight_kN_m3"),
+    )
+    for alike in keys:
+        assert len(set(map(heading, alike))) == len({setting(key, 1) for key in alike}) == len(alike)
+    assert heading("source.brick_mm.0") == "brick.0, mm"
+    assert heading("material.brick.friction") == "friction of brick"
+
+
+def test_frictions_of_single_joints_are_told_where_they_are_swept() -> None:
+    both = [
+        row(factor=factor, swept={"material.default.friction": 0.6, "joints.base.friction": mu})
+        for mu, factor in ((0.2, 0.2), (0.5, 0.5))
+    ]
+    assert [one.label for one in both] == [
+        f"associative, load \u2212y, friction 0.6, friction of joints.base {mu}" for mu in (0.2, 0.5)
+    ]
+    assert "friction of joints.base" in [column.title for column in columns_for(both)]
+    # Of the shell, the one with the same joints answers the same question.
+    assert (
+        partner(shell(swept={"joints.base.friction": 0.5}), [row(swept={"joints.base.friction": mu}) for mu in (0.2, 0.5)]) == 1
+    )
 
 
 def test_each_number_that_is_swept_has_its_plot() -> None:

@@ -78,6 +78,35 @@ def test_each_load_has_the_building_as_it_is_and_its_variants() -> None:
     assert "two ties" in section["chart"]
 
 
+def test_each_value_of_a_sweep_has_a_row_of_its_own() -> None:
+    # Friction as well, which other tables show in a column: that of the material, and that of single joints.
+    keys = "material.default.friction", "joints.0.friction"
+    points = ((0.4, 0.2, 0.2), (0.4, 0.4, 0.4), (0.6, 0.4, 0.5))
+    found = [
+        record(f"{variant or ''}{number}", factor * (1.5 if variant else 1.0), variant, friction=values[0], swept=values_of)
+        for variant in (None, "grouted")
+        for number, (*values, factor) in enumerate(points)
+        if (values_of := dict(zip(keys, values, strict=True)))
+    ]
+    variants = [
+        VariantResult(name, "base", {}, tuple(one.name for one in found if one.variant == name)) for name in (None, "grouted")
+    ]
+    section = variants_section(variants, found, "base")
+    assert section is not None
+    assert [(row["load"], row["name"], *row["factors"][0]) for row in section["rows"]] == [
+        (f"\u2212y, friction {mu}, friction of joints.0 {joints}", *cells)
+        for mu, joints, factor in points
+        for cells in (("as it is", f"{factor:.4f}", ""), ("grouted", f"{1.5 * factor:.4f}", "+50.0 %"))
+    ]
+
+
+def test_what_bears_less_than_nothing_has_no_shares() -> None:
+    found = [record("a", -0.1), record("b", 0.2, "propped")]
+    section = variants_section([VariantResult(None, "", {}, ("a",)), VariantResult("propped", "", {}, ("b",))], found, "")
+    assert section is not None
+    assert [row["factors"] for row in section["rows"]] == [[("\u22120.1000", "")], [("0.2000", "")]]
+
+
 def test_pictures_of_other_geometries_are_linked() -> None:
     section = variants_section(VARIANTS, ANALYSES, "base")
     assert section is not None
