@@ -232,7 +232,7 @@ def contact_models(analyses: Sequence[Analysis]) -> list[ContactModels]:
             found.setdefault(asked, {})[record.contact_model] = record
     out: list[ContactModels] = []
     for both in found.values():
-        if len(both) == 2 and (first := both["corners"]).load_factor:
+        if len(both) == 2 and (first := both["corners"]).load_factor > 0:
             second = both["torsion"]
             apart = second.load_factor / first.load_factor - 1
             factors, names = (first.load_factor, second.load_factor), (first.name, second.name)
@@ -268,7 +268,7 @@ def pairs(analyses: Sequence[Analysis]) -> list[Pair]:
     for shell in (record for record in comparable if record.of_shell):
         for blocks in (record for record in comparable if not record.of_shell):
             if _question(blocks) == _question(shell):
-                ratio = shell.load_factor / blocks.load_factor if blocks.load_factor else None
+                ratio = shell.load_factor / blocks.load_factor if blocks.load_factor > 0 else None
                 found.append(Pair(shell.load, blocks.name, shell.name, ratio))
     return found
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from churchpipe.compare import bad_news, careful_first, guidance, overlap, pairs
+from churchpipe.compare import bad_news, careful_first, contact_models, guidance, overlap, pairs
 from churchpipe.generators import box
 from churchpipe.io.records import Analysis
 from churchpipe.match import Match
@@ -44,6 +44,17 @@ def test_motions_at_right_angles_do_not_overlap(models) -> None:
     stones, velocities, shell = models
     assert overlap(stones, velocities, shell, np.tile([1.0, 0, 0], (len(shell.points), 1))) == pytest.approx(0, abs=1e-9)
     assert np.isnan(overlap(stones, velocities, shell, np.zeros_like(shell.points)))
+
+
+def test_there_are_no_ratios_to_less_than_nothing() -> None:
+    stones = analysis(name="r", flow="non-associative", contact_model="corners", load_factor=-0.1)
+    shell = analysis(name="s", model="homogenised-shell", load_factor=0.2)
+    (pair,) = pairs([stones, shell])
+    assert pair.ratio is None
+    torsion = replace(stones, contact_model="torsion", load_factor=-0.2)
+    assert contact_models([stones, torsion]) == []
+    (both,) = contact_models([replace(stones, load_factor=0.2), replace(torsion, load_factor=0.1)])
+    assert both.difference == pytest.approx(-0.5)
 
 
 def test_pairs_ask_the_same_question() -> None:

@@ -196,7 +196,8 @@ def _capacity(record: Analysis | None, value: float) -> float:
         case "unbounded":
             return np.inf
         case "optimal" | "converged":
-            return value
+            # Below zero stones fall before anything pushes.
+            return max(value, 0.0)
     return np.nan
 
 

@@ -114,3 +114,21 @@ def test_samples_that_fall_under_their_own_weight_or_bear_anything_are_in_the_lo
     assert section is not None
     # All finite load factors are in the histogram.
     assert "falls under its own weight" in section["shown"][0]["spread"]
+
+
+def test_samples_whose_stones_fall_before_anything_pushes_bear_nothing() -> None:
+    # Without dilatancy such a state has a load factor below zero, and rounding may make one of zero less than it.
+    asis = analysis(name="+x", load="+x", flow="non-associative", load_factor=0.2)
+    factors = (-0.05, -1e-12, 0.1, 0.3)
+    made = {
+        f"{number}": Sample((replace(asis, load_factor=factor, status="converged"),)) for number, factor in enumerate(factors)
+    }
+    sample = {
+        "settings": {"number": 4, "seed": 0, "method": "sobol", "parameters": [PARAMETER], "demands": [0.05]},
+        "names": list(made),
+        "points": {"material.default.friction": [0.4, 0.45, 0.5, 0.6]},
+    }
+    (one,) = sample_study(sample, made, [asis]).analyses
+    assert one.load_factors == (0.0, 0.0, 0.1, 0.3)
+    assert one.demands[0].probability == 0.5
+    assert one.median == pytest.approx(np.sqrt(0.1 * 0.3))
