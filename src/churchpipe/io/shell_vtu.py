@@ -15,8 +15,11 @@ from churchpipe.model.shell import ShellModel
 
 
 def write_shell_mechanism(path: str | Path, shell: ShellModel, state: ShellLimitState | CapacityCurve) -> None:
-    """Write the facets with the motion and the plastic strain of an analysis."""
-    motion = {"velocity": state.velocities} if isinstance(state, ShellLimitState) else {"displacement": state.displacement}
+    """Write the facets with the motion and the plastic strain of an analysis: velocities of a mechanism, also of a shell that
+    falls under its dead load, or displacements, m, at the last step of a curve."""
+    moved = state.velocities if isinstance(state, ShellLimitState) else state.displacement
+    real = isinstance(state, CapacityCurve) and state.status != "unstable"
+    motion = {"displacement" if real else "velocity": moved}
     strain = {"plastic_membrane": state.plastic[:, :3], "plastic_curvature": state.plastic[:, 3:]}
     _write(path, shell, motion, strain)
 

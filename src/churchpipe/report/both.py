@@ -101,9 +101,7 @@ def capacity_plots(rows: Sequence[Row]) -> list[tuple[str, str]]:
         lines = [
             (_line(row), value) for row in others if (value := row.value("load_factor")) is not None and math.isfinite(value)
         ]
-        of_variant = [members[0].variant] if members[0].variant else []
-        heading = ", ".join([*of_variant, f"load {members[0].load}", f"friction {friction_text(members[0])}"])
-        plots.append((heading, capacity_svg(curves, lines)))
+        plots.append((_question_words(members[0]), capacity_svg(curves, lines)))
     return plots
 
 
@@ -114,15 +112,17 @@ def _line(row: Row) -> str:
 def mesh_plot(rows: Sequence[Row]) -> str:
     """Return load factor against element size when some analysis of the shell was made on several meshes; else ""."""
     series: dict[tuple[str, ...], list[tuple[float, float]]] = {}
+    words: dict[tuple[str, ...], str] = {}
     for row in rows:
         factor, size = row.value("load_factor"), row.record.element_size
         if row.of_shell and size and factor is not None and math.isfinite(factor):
             series.setdefault((*question(row), row.kind), []).append((1e3 * size, factor))
+            words.setdefault(question(row), _question_words(row))
     drawn = {key: points for key, points in series.items() if len({size for size, _ in points}) > 1}
     if not drawn:
         return ""
     several = len({key[:-1] for key in drawn}) > 1
-    labels = {key: f"shell, {key[-1]}" + (_question_words(key) if several else "") for key in drawn}
+    labels = {key: f"shell, {key[-1]}" + (f", {words[key[:-1]]}" if several else "") for key in drawn}
     asked = {key[:-1] for key in drawn}
     lines = [
         (_line(row), value)
@@ -135,10 +135,10 @@ def mesh_plot(rows: Sequence[Row]) -> str:
     return mesh_svg([(labels[key], *np.array(points).T) for key, points in drawn.items()], [] if several else lines)
 
 
-def _question_words(asked: tuple[str, ...]) -> str:
-    """Return what tells a `question` from others: its variant, if it is of one, load and friction."""
-    _, load, friction, _, _, variant, *_ = asked
-    return f"{f', {variant}' if variant else ''}, load {load}, friction {friction}"
+def _question_words(row: Row) -> str:
+    """Return what tells a `question` from others: its variant, if it is of one, load, friction and what else is swept."""
+    more = [setting(key, value) for key, value in swept(row).items() if of_both(key)]
+    return ", ".join([*([row.variant] if row.variant else []), f"load {row.load}", f"friction {friction_text(row)}", *more])
 
 
 def domain_plot(meshes: Mapping[str, ShellModel], rows: Sequence[Row]) -> tuple[str, str]:

@@ -72,7 +72,8 @@ def _state(shell: ShellModel, state: ShellState) -> dict[str, Any]:
         "reference_strain": reference_strain(strain),
         "reference_speed": reference_speed(speed),
         "amplitude": shell_amplitude(shell, speed),
-        "real": isinstance(state, CapacityCurve),
+        # Of a curve that falls at once there is but the mechanism, of any size.
+        "real": isinstance(state, CapacityCurve) and state.status != "unstable",
     }
 
 

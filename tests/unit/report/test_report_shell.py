@@ -175,6 +175,36 @@ def test_a_mesh_series_is_extrapolated() -> None:
     assert "rigid blocks, associative, 0.2100" in plot
 
 
+def test_what_is_swept_tells_curves_and_mesh_series_apart() -> None:
+    of_shell = {"model": "homogenised-shell"}
+    cohesions = [{"cohesion_kPa": c, "swept": {"material.default.cohesion_kPa": c}} for c in (0.0, 20.0)]
+    series = [
+        Row(record(f"s{h}", 0.2, method="limit", element_size_mm=float(h), **of_shell, **swept))
+        for swept in cohesions
+        for h in (40, 80)
+    ]
+    words = [f"load +x, friction 0.6, cohesion {c} kPa" for c in (0.0, 20.0)]
+    assert re.findall(r">(shell, [^<]*)<", mesh_plot(series)) == [f"shell, limit load, {word}" for word in words]
+    pushed = [
+        Row(record("d", 0.2, method="pushover", element_size_mm=60.0, **of_shell, **swept), None, ("base", curve()))
+        for swept in cohesions
+    ]
+    assert [heading for heading, _ in capacity_plots(pushed)] == words
+
+
+def test_the_mechanism_of_a_shell_that_falls_has_no_size() -> None:
+    stones, contacts, velocities = rocking_pair()
+    corner = folded_shell()
+    count, facets, step = len(corner.points), len(corner.triangles), CapacityStep(0.0, 0.0, 1e-12, 0.0, 1e-9, 10, 0.1)
+    found = {}
+    for status in ("converged", "unstable"):
+        moved = np.ones((count, 3)), np.zeros(3), np.ones((facets, 6)), np.zeros((facets, 8))
+        state = CapacityCurve(np.zeros(1), np.zeros(1), 0, *moved, (step,), status)
+        shown = shell_data({"base": corner}, [("curve", "base", state, 0)], stones, contacts, [velocities], np.zeros(3))
+        found[status] = shown["analyses"][0]["real"]
+    assert found == {"converged": True, "unstable": False}
+
+
 def test_sections_of_the_domain_agree_with_the_planes_where_these_are_exact() -> None:
     # M11 and M22 under N11 = N22 = -1: N22 / 2 bounds M22 / h, and the planes are exact.
     cell, planes = domain_section(0.03, 0.08, 0.04, 0.7, 3, 4, {0: -1.0, 1: -1.0}, rays=16)
