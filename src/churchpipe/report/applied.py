@@ -110,8 +110,8 @@ def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:
 
 
 def gain_table(rows: Sequence[Row], weight: float) -> tuple[list[str], list[list[str]]]:
-    """Return titles, and for each analysis a row for each of the walls that more cohesion or weight would help or harm most, and
-    for each that was analysed again: the load factor by the rate, and that of the analysis, if there is one.
+    """Return titles, and for each analysis a row for each of the walls that more cohesion would help most, and for each that was
+    analysed again: what cohesion and weight add to the load factor by the rate, and in that analysis, if there is one.
 
     weight: of the building, N. Of a small one a smaller weight is added than of a large one: a tangent knows no more.
     """

@@ -8,7 +8,7 @@ import numpy as np
 from churchpipe.io.records import Analysis
 from churchpipe.model.block_curve import ALIKE
 from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
-from churchpipe.report.table import by_material
+from churchpipe.report.table import by_material, setting
 
 _ENDINGS = {
     "vanished": "the load factor has vanished",
@@ -71,7 +71,7 @@ def _svg(records: Sequence[Analysis], shells: Sequence[Analysis]) -> str:
 
 def curve_label(record: Analysis) -> str:
     """Return what tells a curve from others of its load: its variant of the building, and what was swept, or its friction."""
-    swept = [f"{key.rpartition('.')[2]} = {value}" for key, value in record.swept.items()]
+    swept = [setting(key, value) for key, value in record.swept.items()]
     return ", ".join([*([record.variant] if record.variant else []), *(swept or [f"friction {by_material(record.friction)}"])])
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.results import Iteration, StartRun
+from churchpipe.report.block_curves import curve_label
 from churchpipe.report.both import partner
 from churchpipe.report.html import _cards
 from churchpipe.report.notes import convergence_note
@@ -102,6 +103,12 @@ def test_settings_of_one_name_are_told_apart() -> None:
         assert len(set(map(heading, alike))) == len({setting(key, 1) for key in alike}) == len(alike)
     assert heading("source.brick_mm.0") == "brick.0, mm"
     assert heading("material.brick.friction") == "friction of brick"
+
+
+def test_curves_of_a_sweep_are_told_apart() -> None:
+    keys = "source.brick_mm.0", "material.nave.friction", "joints.base.friction", "joints.0.friction"
+    labels = [curve_label(analysis(method="curve", swept={key: 0.4})) for key in keys]
+    assert labels == ["brick.0 0.4 mm", "friction of nave 0.4", "friction of joints.base 0.4", "friction of joints.0 0.4"]
 
 
 def test_frictions_of_single_joints_are_told_where_they_are_swept() -> None:
