@@ -365,8 +365,8 @@ def _reaction(record: Movement) -> str:
     (least, force), (reaction, _) = in_unit(record, "least_reaction"), in_unit(record, "reaction")
     if not reaction or not math.isfinite(least):
         return ""
-    if least < 0:
-        words = f"be pushed with {-least:.4g} {force} at most ({abs(reaction[0]):.4g} {force} without dilatancy)"
+    if max(least, reaction[0]) < 0:
+        words = f"be pushed with {-least:.4g} {force} at most ({-reaction[0]:.4g} {force} without dilatancy)"
     else:
         words = f"resist with {max(least, reaction[0]):.4g} {force} without dilatancy, {least:.4g} {force} at the least"
     return f"; as it begins to move it must {words}"

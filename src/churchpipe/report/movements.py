@@ -14,7 +14,7 @@ from churchpipe.model.settlement import SettlementPath
 from churchpipe.report import colours
 from churchpipe.report.cracks import crack_map_svg
 from churchpipe.report.plots import WIDTH, new_plot, svg_of
-from churchpipe.report.table import figure, named_of
+from churchpipe.report.table import figure, minus, named_of
 
 Moved = tuple[Movement, Assemblage, Contacts, SettlementPath]
 # Walls with cracks of this share of the widest have a map, and so many of them.
@@ -49,17 +49,18 @@ def _shown(record: Movement, stones: Assemblage, contacts: Contacts, path: Settl
 def _sentence(record: Movement, path: SettlementPath) -> str:
     (movement, length), (reaction, force) = in_unit(record, "displacement"), in_unit(record, "reaction")
     least, _ = in_unit(record, "least_reaction")
-    if least >= 0:
+    if max(least, reaction[0]) >= 0:
         # Of two values of what the support must resist with, the larger comes first.
+        pushed = ", below zero: it must be pushed along" if least < 0 else ""
         words = (
             f"As it begins to move the support must resist with {max(least, reaction[0]):.4g} {force}, without dilatancy; other "
-            f"forces may fit the same motion. The least of all equilibria is {least:.4g} {force}, with associative friction: the "
-            "value to take where the question is how much the rest of the building then carries"
+            f"forces may fit the same motion. The least of all equilibria is {minus(f'{least:.4g}')} {force}{pushed}, with "
+            "associative friction: the value to take where the question is how much the rest of the building then carries"
         )
     else:
         words = (
             f"As it begins to move the support must be pushed along with {-least:.4g} {force} at most "
-            f"({abs(reaction[0]):.4g} {force} without dilatancy)"
+            f"({-reaction[0]:.4g} {force} without dilatancy)"
         )
     end = f". At {movement[-1]:.4g} {length} {ENDINGS[path.status]}"
     fallen = f". Stones that fell on the way: {', '.join(record.fallen_stones)}" if record.fallen_stones else ""
