@@ -168,9 +168,11 @@ def _sampled(
     known = assess_uncertainty(points, factors)
     lost = [record.status if record else "refused" for record, f in zip(records, factors, strict=True) if np.isnan(f)]
     checks = [record.check if record and record.check else SafetyCheck() for record in records]
-    site = next((check.a_g for check in checks if check.satisfied is not None), None)
+    made = [check.a_g for check in checks if check.satisfied is not None]
     ground = None
-    if site is not None:
+    if made:
+        # What the code asks may be sampled, too: the question is of what it asks in the case.
+        site = asis.check.a_g if asis.check and np.isfinite(asis.check.a_g) else made[0]
         capacity = [_capacity(record, check.a_g_slv) for record, check in zip(records, checks, strict=True)]
         of_ground = assess_uncertainty(points, np.array(capacity))
         ground = GroundSpread(**_figures(of_ground, [site]), capacity=tuple(capacity))

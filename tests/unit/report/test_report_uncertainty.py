@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from churchpipe.io.atomic import canonical_json
+from churchpipe.io.records import Analysis
 from churchpipe.io.sample_study import Sample, SampleStudy, sample_study
+from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.quantities import as_read, as_written
 from churchpipe.report.table import Row
 from churchpipe.report.uncertainty import lognormal, uncertainty_lines, uncertainty_section
@@ -132,3 +134,22 @@ def test_samples_whose_stones_fall_before_anything_pushes_bear_nothing() -> None
     assert one.load_factors == (0.0, 0.0, 0.1, 0.3)
     assert one.demands[0].probability == 0.5
     assert one.median == pytest.approx(np.sqrt(0.1 * 0.3))
+
+
+def test_the_ground_acceleration_asked_is_that_of_the_case_where_samples_have_others() -> None:
+    # What the code asks may be sampled, too.
+    def checked(a_g: float, a_g_slv: float) -> Analysis:
+        check = SafetyCheck(a_g=a_g, a_g_slv=a_g_slv, zeta_e=a_g_slv / a_g, satisfied=a_g_slv >= a_g)
+        return replace(analysis(name="+x", load="+x", load_factor=0.2, flow="associative"), check=check)
+
+    asis, asked = checked(1.5, 1.6), (0.9, 1.2, 1.4, 1.9)
+    made = {f"{a_g:g}": Sample((checked(a_g, slv),)) for a_g, slv in zip(asked, (1.2, 1.3, 1.6, 1.8), strict=True)}
+    sample = {
+        "settings": {"number": 4, "seed": 0, "method": "sobol", "parameters": [PARAMETER], "demands": []},
+        "names": list(made),
+        "points": {"check.ag_g": list(asked)},
+    }
+    (one,) = sample_study(sample, made, [asis]).analyses
+    assert one.ground_acceleration is not None
+    (answer,) = one.ground_acceleration.demands
+    assert (answer.demand, answer.probability) == (1.5, 0.5)
