@@ -1,11 +1,12 @@
 """What a building carries, and its ties: tables of the report, and lines and arrows on its pictures."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from churchpipe.io.records import Analysis
 from churchpipe.loading.ties import anchors_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -13,7 +14,7 @@ from churchpipe.model.gains import WEIGHT_MORE
 from churchpipe.model.motion import velocity_at
 from churchpipe.model.placed_loads import Applied
 from churchpipe.report import colours
-from churchpipe.report.table import Row, amount, figure, minus
+from churchpipe.report.table import Row, amount, figure, minus, named_of
 from churchpipe.stones.ring_beams import ring_beams
 
 # Length of the longest arrow over the size of the building, and most arrows drawn of a load.
@@ -26,19 +27,26 @@ _WHOLE, LEADING = 12, 8
 _SLACK = 1e-6
 
 
-def load_rows(applied: Iterable[Applied]) -> list[list[str]]:
-    """Return a row for each load of the analyses, by name: what presses, what pushes level, and the mass that the load factor
-    multiplies, kN."""
-    found: dict[str, list[str]] = {}
-    for one in applied:
+def load_rows(applied: Mapping[str, Applied], analyses: Iterable[Analysis] = ()) -> list[list[str]]:
+    """Return a row for each load, by name: what presses, what pushes level, and the mass that the load factor multiplies, kN; one
+    that is another in a variant, or with swept values, has a row for each, which says so.
+
+    applied: of the analyses, by their names, the building as it is first.
+    """
+    records, found, known = {record.name: record for record in analyses}, list[list[str]](), dict[str, list[list[str]]]()
+    for analysis, one in applied.items():
         loads = one.loads
         for name in dict.fromkeys(loads.load.tolist()):
             mine = loads.load == name
             level = float(np.linalg.norm(loads.dead[mine].sum(axis=0)[:2]))
             sums = (float(loads.weight[mine].sum()), level, float(loads.mass[mine].sum()))
             walls = ", ".join(np.unique(loads.wall[mine]).tolist())
-            found.setdefault(name, [name, walls, *(amount(value / 1e3, 1) for value in sums)])
-    return list(found.values())
+            cells = [walls, *(amount(value / 1e3, 1) for value in sums)]
+            if cells not in (before := known.setdefault(name, [])):
+                record = records.get(analysis) if before else None
+                found.append([named_of(name, record.variant, record.swept) if record else name, *cells])
+                before.append(cells)
+    return found
 
 
 def beam_rows(stones: Assemblage) -> list[list[str]]:

@@ -139,7 +139,7 @@ def write_report(
             domain_words=domain_words,
             guidance=summary.guidance,
             questions=summary.questions,
-            load_rows=load_rows((applied or {}).values()),
+            load_rows=load_rows(applied or {}, analyses),
             beam_rows=beam_rows(stones),
             tie_rows=tie_rows(rows),
             leading_ties=leading_ties(rows),

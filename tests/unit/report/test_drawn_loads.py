@@ -15,6 +15,7 @@ from churchpipe.report import colours
 from churchpipe.report.applied import load_rows
 from churchpipe.report.drawings import ELEVATIONS, PLAN, View, drawings_svg
 from churchpipe.report.drawn_loads import DrawnLoads, draw_loads, drawn_loads, key_to_loads
+from records import analysis
 from solids import box
 
 MATERIALS = (cp.Material("default", 18e3, 0.6),)
@@ -103,10 +104,27 @@ def test_ties_of_a_variant_are_dashed_and_the_key_says_so() -> None:
     assert key_to_loads(drawn_loads(stones, []), beams=False) == []
 
 
+def test_loads_that_are_others_in_a_variant_are_told() -> None:
+    # A floor with 1 and with 3 kN/m2.
+    stones = two_walls()
+    light, heavy = (Applied(place_loads(stones, [cp.AreaLoad(["west", "east"], dead=d, name="floor")])) for d in (1e3, 3e3))
+    analyses = [
+        analysis(name="a"),
+        analysis(name="b", load="+y"),
+        analysis(name="c", variant="archive"),
+        analysis(name="d", swept={"area_loads.floor.dead_kN_m2": 3.0}),
+    ]
+    rows = load_rows({"a": light, "b": light, "c": heavy, "d": heavy}, analyses)
+    assert [row[0] for row in rows] == ["area load floor", "area load floor, archive"]
+    presses = [float(row[2]) for row in rows]
+    assert presses[1] == pytest.approx(3 * presses[0], abs=0.2)
+    assert load_rows({"a": light, "d": heavy}, analyses)[1][0] == "area load floor, dead of floor 3.0 kN/m\u00b2"
+
+
 def test_a_model_of_one_brick_has_figures(tmp_path: Path) -> None:
     stones = cp.derive_blocks(wall(length=0.08, brick=(0.08, 0.04, 0.015), courses=1, materials=MATERIALS))
     loads = [cp.LineLoad("wall", dead=0.4)]
-    ((_, _, presses, level, mass),) = load_rows([Applied(place_loads(stones, loads))])
+    ((_, _, presses, level, mass),) = load_rows({"a": Applied(place_loads(stones, loads))})
     assert (presses, level, mass) == ("3.2e\u221205", "0.0", "3.2e\u221205")
     drawings = dict(drawings_svg(stones, drawn_loads(stones, [])))
     assert "0.015 m" in drawings["Elevation from \u2212y"]
