@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from textwrap import fill
 from typing import Any
 from urllib.parse import quote
 
@@ -15,6 +16,8 @@ from churchpipe.report.safety import safety_index, what_moves
 from churchpipe.report.table import Row, figure, minus, setting
 
 AS_IS = "as it is"
+# Letters for which a line below the chart has room, and those of the narrowest column of them.
+_LETTERS, _NARROWEST = 66, 8
 
 
 def variants_section(variants: Sequence[VariantResult], analyses: Sequence[Analysis], geometry: str) -> dict[str, Any] | None:
@@ -119,7 +122,8 @@ def _chart(cells: Mapping[str, Mapping[str, Mapping[str, Row]]], names: Sequence
             colour = colours.PUSH if name == AS_IS else colours.PANELS[(number - 1) % len(colours.PANELS)]
             axes.bar(place, height, 0.9 * width, color=colour, label=name)
     axes.set_axisbelow(True)
-    axes.set_xticks(range(len(cells)), list(cells))
+    room = max(_LETTERS // max(len(cells), 1), _NARROWEST)
+    axes.set_xticks(range(len(cells)), [fill(load, room, break_long_words=False) for load in cells])
     axes.set_ylabel("load factor")
     legend_below(axes)
     return svg_of(figure_)

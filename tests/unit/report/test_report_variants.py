@@ -1,5 +1,6 @@
 """The building as it is beside its variants, in the report."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -98,6 +99,23 @@ def test_each_value_of_a_sweep_has_a_row_of_its_own() -> None:
         for mu, joints, factor in points
         for cells in (("as it is", f"{factor:.4f}", ""), ("grouted", f"{1.5 * factor:.4f}", "+50.0 %"))
     ]
+
+
+def test_names_of_many_loads_stand_beside_each_other_below_the_chart() -> None:
+    swept = [{"joints.damp course.friction": mu, "source.stone_length_m": b} for mu in (0.2, 0.4, 0.6) for b in (0.5, 0.7)]
+    found = [
+        record(f"{variant or ''}{number}", 0.3, variant, swept=values)
+        for variant in (None, "grouted")
+        for number, values in enumerate(swept)
+    ]
+    variants = [
+        VariantResult(name, "", {}, tuple(one.name for one in found if one.variant == name)) for name in (None, "grouted")
+    ]
+    section = variants_section(variants, found, "")
+    assert section is not None
+    texts = re.findall(r">([^<>]+)</t", section["chart"])
+    assert "joints.damp" in texts
+    assert max(map(len, texts)) <= 11
 
 
 def test_what_bears_less_than_nothing_has_no_shares() -> None:
