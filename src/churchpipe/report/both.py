@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from churchpipe.io.records import Strength
 from churchpipe.io.summary import Pair, Summary
 from churchpipe.match import Figure
 from churchpipe.model.results import CapacityCurve
@@ -144,21 +143,19 @@ def _question_words(row: Row) -> str:
 def domain_plot(meshes: Mapping[str, ShellModel], rows: Sequence[Row]) -> tuple[str, str]:
     """Return sections of the strength of the most common unit cell of the shell, and what they are drawn for."""
     shell = next(iter(meshes.values()), None)
-    friction = next((_one(row.record.friction, shell) for row in rows if row.of_shell and shell is not None), None)
-    if shell is None or not friction or not shell.yields.any():
+    frictions = next((row.record.friction for row in rows if row.of_shell), None)
+    if shell is None or frictions is None or not shell.yields.any():
         return "", ""
     bonds, rank = np.unique(shell.bonds, return_inverse=True)
-    kinds = np.column_stack([shell.unit_cells[shell.cell], shell.thickness, rank.ravel()[shell.cell]])[shell.yields]
-    known, kind = np.unique(kinds, axis=0, return_inverse=True)
-    a, b, h, which = (float(size) for size in known[np.argmax(np.bincount(kind.ravel(), shell.area[shell.yields]))])
-    bond = str(bonds[int(which)])
+    materials, made_of = np.unique(shell.material, return_inverse=True)
+    sizes = shell.unit_cells[shell.cell], shell.thickness, rank.ravel()[shell.cell], made_of.ravel()
+    known, kind = np.unique(np.column_stack(sizes)[shell.yields], axis=0, return_inverse=True)
+    a, b, h, *numbers = known[np.argmax(np.bincount(kind.ravel(), shell.area[shell.yields]))].tolist()
+    bond, material = (str(names[int(number)]) for names, number in zip((bonds, materials), numbers, strict=True))
+    friction = frictions.get(material) if isinstance(frictions, dict) else frictions
+    if not friction:
+        return "", ""
     words = (
         f"{bond} bond, course height {1e3 * a:g} mm, stone length {1e3 * b:g} mm, thickness {1e3 * h:g} mm, friction {friction:g}"
     )
     return domain_svg(a, b, h, friction, bond), words
-
-
-def _one(friction: Strength, shell: ShellModel) -> float | None:
-    if isinstance(friction, dict):
-        return friction.get(str(shell.material[shell.yields][0])) if shell.yields.any() else None
-    return friction

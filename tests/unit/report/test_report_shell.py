@@ -2,6 +2,7 @@
 
 import base64
 import re
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from churchpipe.homogenised_shell.strength import paper_planes
 from churchpipe.io.records import Analysis
 from churchpipe.io.summary import Pair
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
-from churchpipe.report.both import capacity_plots, compared, gate, mesh_plot, partner
+from churchpipe.report.both import capacity_plots, compared, domain_plot, gate, mesh_plot, partner
 from churchpipe.report.motion import joint_opening, opened_joints, plastic_size, reference_strain
 from churchpipe.report.page import template
 from churchpipe.report.shell_picture import shell_picture
@@ -190,6 +191,16 @@ def test_what_is_swept_tells_curves_and_mesh_series_apart() -> None:
         for swept in cohesions
     ]
     assert [heading for heading, _ in capacity_plots(pushed)] == words
+
+
+def test_the_strength_that_is_drawn_has_the_friction_of_its_cell() -> None:
+    flat, triangles = grid(4, 2, 2.0, 1.0)
+    wall = shell(wall_points(flat), triangles)
+    # Two facets of thick ashlar before many of thin brick.
+    thick = np.arange(len(triangles)) < 2
+    mesh = replace(wall, thickness=np.where(thick, 0.3, 0.2), material=np.where(thick, "ashlar", "brick"))
+    pushed = Row(record("s", 0.2, model="homogenised-shell", method="limit", friction={"ashlar": 0.8, "brick": 0.5}))
+    assert domain_plot({"base": mesh}, [pushed])[1].endswith("thickness 200 mm, friction 0.5")
 
 
 def test_the_mechanism_of_a_shell_that_falls_has_no_size() -> None:
