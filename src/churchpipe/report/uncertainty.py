@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,8 @@ _SHOWN = 3
 _SAME, _AROUND = 1e-6, 0.1
 # Parameters whose rank correlation is below this share are no more than the noise of some hundred samples.
 _NOISE = 0.1
+# Letters of a line beside the bars.
+_LETTERS = 16
 _FALLEN = "falls under its own weight"
 _HEADINGS = ("as it is", "mean", "CoV", "5 %", "median", "95 %")
 
@@ -210,7 +213,7 @@ def _influence_svg(one: SampledAnalysis, points: dict[str, tuple[float, ...]]) -
         return ""
     shown = ranked[:_SHOWN]
     bars, *scatters = new_panels(1 + len(shown), (3.6, 2.9))
-    names = [heading(key).partition(",")[0] for key, _ in ranked]
+    names = [fill(heading(key).partition(",")[0], _LETTERS, break_long_words=False) for key, _ in ranked]
     bars.barh(
         range(len(ranked)), [value for _, value in ranked], color=[colours.PUSH if v >= 0 else colours.ALARM for _, v in ranked]
     )

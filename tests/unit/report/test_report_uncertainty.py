@@ -83,6 +83,21 @@ def test_load_factors_that_differ_by_rounding_alone_are_one_column(study: tuple[
     assert "e\u2212" not in histogram
 
 
+def test_parameters_of_one_name_are_told_apart_beside_their_bars(study: tuple[SampleStudy, list[Row]]) -> None:
+    found, rows = study
+    keys = "material.nave masonry.unit_weight_kN_m3", "material.tower masonry.unit_weight_kN_m3"
+    values = found.points["material.default.friction"]
+    points = {keys[0]: values, keys[1]: values[::-1]}
+    one = replace(found.analyses[0], rank_correlation={keys[0]: 1.0, keys[1]: -0.5})
+    section = uncertainty_section(replace(found, points=points, analyses=(one,)), rows)
+    assert section is not None
+    assert section["rows"][0][-2] == "unit weight of nave masonry +1.00, unit weight of tower masonry \u22120.50"
+    bars = section["shown"][0]["influence"].partition("</svg>")[0]
+    texts = re.findall(r">([^<>]+)</t", bars)
+    assert {"nave masonry", "tower masonry"} <= set(texts)
+    assert max(map(len, texts)) <= 16
+
+
 def test_the_terminal_says_it_in_sentences(study: tuple[SampleStudy, list[Row]]) -> None:
     text = "\n".join(uncertainty_lines(*study))
     assert "39 samples, load factor 0.5974 in the mean" in text
