@@ -112,6 +112,26 @@ def test_ranking_of_ties() -> None:
     assert np.isnan(ranked[2].load_factor)
 
 
+def test_without_dilatancy_the_rate_of_a_tie_bounds_nothing() -> None:
+    # The upper of two blocks slides off the lower one at its friction mu. A tie that slopes down to the lower one holds with the
+    # level part of its tension, and presses with the upright one, which the rate of a motion without dilatancy does not know.
+    blocks = [box((-50, 50), (-50, 50), (-1, 0)), box((0, 3), (0, 2), (0, 1)), box((0, 3), (0, 2), (1, 1.5))]
+    stones = cp.Assemblage.from_polyhedra(blocks, 18e3, [0], panel=["", "low", "up"])
+    contacts, load = cp.find_contacts(stones), cp.LoadCase((1, 0, 0), panels=("up",))
+    strength = 0.2 * stones.weight[2]
+    tie = cp.Tie("slant", (0.5, 1, 0.5), (2.5, 1, 1.25), strength=strength)
+    level, down = np.array([2, 0.75]) / np.hypot(2, 0.75)
+    ranked = {}
+    for flow in ("associative", "non-associative"):
+        state = cp.limit_analysis(stones, contacts, load, 0.4, flow=flow)
+        (ranked[flow],) = cp.rank_ties(state, [tie], stones, contacts, load, 0.4, flow=flow)
+        assert ranked[flow].load_factor == pytest.approx(0.4 + 0.2 * (level + 0.4 * down), rel=1e-4)
+    proved, sliding = ranked["associative"], ranked["non-associative"]
+    assert proved.most == pytest.approx(proved.load_factor, rel=1e-6)
+    assert sliding.rate * strength == pytest.approx(0.2 * level, rel=1e-4)
+    assert np.isnan(sliding.most)
+
+
 BAD: list[tuple[Any, str]] = [
     (lambda: cp.TieBar("t", ("north", 0, 1), (0, 0, 0), **STEEL), "tie t: start: no such wall; found north"),
     (lambda: cp.TieBar("t", ("west", 0.5, 3.5), ("east", 2.5, 3.5), **STEEL), "tie t: end: beyond the wall east; found 2.5 m"),

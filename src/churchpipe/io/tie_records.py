@@ -31,8 +31,8 @@ class TieForce:
 
 @dataclass(frozen=True, slots=True)
 class TieCandidate:
-    """A tie that is not there: its strength, what each unit of it would add, the most that it could make of the load factor, and
-    the load factor with it, NaN where it was not analysed."""
+    """A tie that is not there: its strength, what each unit of it would add, the most that it could make of the load factor, NaN
+    where that has no bound, and the load factor with it, NaN where it was not analysed."""
 
     name: str
     strength: Annotated[float, Quantity("_kN")]

@@ -157,10 +157,12 @@ class RankedTie:
     tie
         The candidate.
     rate
-        d load_factor / d strength at strength 0, 1/N: the rate at which the mechanism lengthens it.
+        d load_factor / d strength at strength 0, 1/N: the rate at which the mechanism lengthens it. Without dilatancy it is for
+        normal forces held as they are.
     most
         Load factor that it cannot exceed: that of the structure plus rate times strength. The load factor is concave in the
-        strength, so that the true one is less where another mechanism takes over.
+        strength, so that the true one is less where another mechanism takes over. NaN without dilatancy, where there is no such
+        bound: a tie that presses joints together raises their friction, too.
     load_factor
         With the tie, by a new analysis; NaN where none was made.
     """

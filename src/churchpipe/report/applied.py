@@ -86,10 +86,10 @@ def leading_ties(rows: Sequence[Row]) -> list[list[str]]:
 def leading_candidates(rows: Sequence[Row]) -> list[list[str]]:
     """Return those rows of `candidate_rows` that govern where there are many, else none: ties that were analysed, and those that
     may add most."""
-    ties = [(row.record.load_factor, tie) for row in rows for tie in row.record.tie_candidates]
+    ties = [tie for row in rows for tie in row.record.tie_candidates]
     # Analyses differ in their load factors: a tie adds to that of its own.
-    added = [math.nan if base is None else tie.most - base for base, tie in ties]
-    return _leading(candidate_rows(rows), added, [math.isfinite(tie.load_factor) for _, tie in ties])
+    added = [tie.rate * tie.strength for tie in ties]
+    return _leading(candidate_rows(rows), added, [math.isfinite(tie.load_factor) for tie in ties])
 
 
 def _leading(rows: list[list[str]], size: Sequence[float], kept: Sequence[bool]) -> list[list[str]]:
@@ -109,7 +109,7 @@ def candidate_rows(rows: Sequence[Row]) -> list[list[str]]:
             one.name,
             amount(one.strength / 1e3, 1),
             f"{1e3 * one.rate:.2e}",
-            figure(one.most, 4),
+            "no bound" if math.isnan(one.most) else figure(one.most, 4),
             "not analysed" if math.isnan(one.load_factor) else figure(one.load_factor, 4),
         ]
         for row in rows

@@ -66,7 +66,7 @@ def rank_ties(
     Returns
     -------
     tuple[RankedTie, ...]
-        Verified ones first, by their load factor, the others by `most`.
+        Verified ones first, by their load factor, the others by what they add at their rates.
 
     Raises
     ------
@@ -87,8 +87,9 @@ def rank_ties(
     found: list[RankedTie] = []
     for tie in candidates:
         rate = max(0.0, elongation_rate(stones, state.velocities, tie)) / weight
-        found.append(RankedTie(tie, rate, state.load_factor + rate * tie.strength))
-    found.sort(key=lambda one: -one.most)
+        most = state.load_factor + rate * tie.strength if state.flow == "associative" else np.nan
+        found.append(RankedTie(tie, rate, most))
+    found.sort(key=lambda one: -one.rate * one.tie.strength)
     for number, one in enumerate(found[:verify]):
         with_it = limit_analysis(stones, contacts, load, friction, cohesion, ties=[*ties, one.tie], **options)
         found[number] = replace(one, load_factor=with_it.load_factor)

@@ -69,7 +69,13 @@ def test_few_ties_stand_in_one_table(tmp_path: Path) -> None:
 def test_candidates_that_were_analysed_or_may_add_most_stand_before_all(tmp_path: Path) -> None:
     most = 0.2 + 0.1 * SHARES
     candidates = tuple(
-        TieCandidate(f"tie {number}", STRENGTH, 1e-6, float(value), 0.21 if number == int(np.argmin(most)) else np.nan)
+        TieCandidate(
+            f"tie {number}",
+            STRENGTH,
+            float(value - 0.2) / STRENGTH,
+            float(value),
+            0.21 if number == int(np.argmin(most)) else np.nan,
+        )
         for number, value in enumerate(most)
     )
     shown, whole, _ = tables(tmp_path, tie_candidates=candidates)
@@ -77,3 +83,13 @@ def test_candidates_that_were_analysed_or_may_add_most_stand_before_all(tmp_path
     assert f"tie {np.argmin(most)}" in [row[1] for row in shown]
     assert f"tie {np.argmax(most)}" in [row[1] for row in shown]
     assert len(whole) == 19
+
+
+def test_candidates_have_no_bound_without_dilatancy(tmp_path: Path) -> None:
+    candidates = tuple(
+        TieCandidate(f"tie {number}", STRENGTH, 1e-6 * share, np.nan, np.nan) for number, share in enumerate(SHARES)
+    )
+    shown, whole, page = tables(tmp_path, tie_candidates=candidates)
+    assert f"tie {np.argmax(SHARES)}" in [row[1] for row in shown]
+    assert {row[4] for row in (*shown, *whole)} == {"no bound"}
+    assert "Without dilatancy there is no such bound" in page
