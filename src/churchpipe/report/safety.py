@@ -8,7 +8,7 @@ from churchpipe.io.records import Analysis
 from churchpipe.mechanism import STILL, TAKES_PART, Part
 from churchpipe.model.checks import Check, SafetyCheck
 from churchpipe.model.quantities import in_unit
-from churchpipe.report.table import Row, amount, figure, minus
+from churchpipe.report.table import Row, amount, figure, minus, named_of
 from churchpipe.wording import counted
 
 # Share of the mechanism's speed from which on a stone is said to move.
@@ -146,7 +146,8 @@ def _zeta(row: Row) -> float:
 def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
     """Return the share of the motion of each macro-element under each load, or None where there is one analysis to tell of.
 
-    headings (load, model and kind); rows of cells of all that move under some load, "" where at rest; still: the others.
+    headings (load, model and kind, variant and what is swept); rows of cells of all that move under some load, "" where at rest;
+    still: the others.
     """
     shown = _first_of_each(rows)
     if len(shown) < 2:
@@ -155,13 +156,18 @@ def part_overview(rows: Sequence[Row]) -> dict[str, Any] | None:
     largest = {name: max(shares.get(name, 0.0) for shares in motion) for shares in motion for name in shares}
     names = dict.fromkeys(part.name for row in shown for part in row.record.parts)
     return {
-        "headings": ["Share of the motion", *(f"{row.load}, {'shell, ' if row.of_shell else ''}{row.kind}" for row in shown)],
+        "headings": ["Share of the motion", *map(_named, shown)],
         "rows": [
             [name, *("" if name not in shares else _percent(shares[name]) for shares in motion)]
             for name in sorted(largest, key=lambda name: -largest[name])
         ],
         "still": [name for name in names if name not in largest],
     }
+
+
+def _named(row: Row) -> str:
+    """Return the load, the model and the kind of an analysis, and the variant and swept settings that it is of."""
+    return named_of(f"{row.load}, {'shell, ' if row.of_shell else ''}{row.kind}", row.record.variant, row.record.swept)
 
 
 def what_moves(record: Analysis, share: float = TAKES_PART) -> str:

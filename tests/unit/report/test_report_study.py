@@ -207,6 +207,20 @@ def test_macro_elements_of_all_loads_stand_in_one_table(tmp_path: Path) -> None:
     assert "At rest under all of them: apse." in page.text
 
 
+def test_shares_of_the_motion_are_told_of_the_variant_and_the_setting_that_they_are_of() -> None:
+    moving = {"parts": [{"name": "apse", "weight_kN": 1.0, "moving": 1.0, "displacement": 1.0, "motion": 1.0}]}
+    # Nothing brings the building down as it is; without its buttresses it falls.
+    rows = [
+        row("+x", None, status="unbounded"),
+        row("+x", variant="no buttresses", **moving),
+        row("+y", swept={"source.thickness_m": 0.6}, **moving),
+        row("+y", swept={"source.thickness_m": 0.8}, **moving),
+    ]
+    overview = part_overview(rows)
+    assert overview is not None
+    assert overview["headings"][1:] == ["+x, associative, no buttresses", "+y, associative, thickness 0.6 m"]
+
+
 def test_the_card_of_the_careful_value_says_so_and_a_capacity_curve_is_no_rival() -> None:
     sliding = row(factor=0.1885, flow="non-associative", status="converged")
     curve = row(flow=None, method="curve", status="converged")
