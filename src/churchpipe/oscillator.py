@@ -57,8 +57,14 @@ class Oscillator:
     seat: float = math.inf
 
     def at(self, displacement: float) -> float:
-        """Return a at a displacement, m/s2."""
-        return float(np.interp(displacement, self.displacement, self.acceleration))
+        """Return a at a displacement, m/s2: the least where the curve has gone back and passes it more than once."""
+        ends = np.stack([self.displacement[:-1], self.displacement[1:]])
+        passed = np.flatnonzero((ends.min(axis=0) <= displacement) & (displacement <= ends.max(axis=0)))
+        if not len(passed):
+            return float(np.interp(displacement, self.displacement, self.acceleration))
+        (begin, end), (high, low) = ends[:, passed], (self.acceleration[passed], self.acceleration[passed + 1])
+        share = np.divide(displacement - begin, end - begin, out=np.ones_like(begin), where=end != begin)
+        return float((high + share * (low - high)).min())
 
     @property
     def lumped(self) -> "Oscillator":

@@ -33,6 +33,17 @@ GIVEN = SiteSpectrum(2.5, 0.5)
 SITED = Site(1.5, 1.2, spectrum=GIVEN)
 
 
+def test_a_curve_that_goes_back_has_the_least_of_its_accelerations() -> None:
+    # At .08 m it has .168 on the way out, .14 on the way back, and .05 + .12 / .14 (.095 - .05) = .08857 on the last branch.
+    there_and_back = Oscillator(np.array([0, 0.05, 0.10, 0.04, 0.06, 0.2]), np.array([0.2, 0.18, 0.16, 0.10, 0.095, 0.05]), 0.3)
+    assert there_and_back.at(0.08) == pytest.approx(0.05 + 0.12 / 0.14 * 0.045)
+    assert there_and_back.at(0.02) == pytest.approx(0.192)
+    assert there_and_back.at(0.10) == pytest.approx(0.05 + 0.10 / 0.14 * 0.045)
+    # A drop at one displacement counts as what it ends at, and beyond its ends the curve stays as it is there.
+    drop = Oscillator(np.array([0, 0.1, 0.1, 0.2]), np.array([0.2, 0.15, 0.06, 0.01]), 0.2)
+    assert [drop.at(place) for place in (-0.1, 0.1, 0.3)] == pytest.approx([0.2, 0.06, 0.01])
+
+
 def rocking(breadth: float, height: float) -> tuple[FloatArray, FloatArray]:
     displacement = np.linspace(0, breadth / 2, 2001)
     lever = breadth / 2 - displacement
