@@ -264,6 +264,12 @@ def test_a_fault_in_what_a_variant_bears_ends_a_run_before_it_begins(capsys: pyt
     assert (code, out) == (1, "")
     assert 'with variant "low" of line' in err
     assert "ties.0: tie tie: start: its plate overhangs the masonry" in err
+    # All bear a roof that pushes, in the same direction.
+    roof = '[[line_loads]]\nwall = "south"\ndead_kN_m = 3\nthrust_kN_m = 0.5\ntoward = [0, -1, 0]\n'
+    (tmp_path / "box.toml").write_text((tmp_path / "box.toml").read_text().replace("0.05", "2.4") + roof)
+    code, out, err = call(capsys, "run", tmp_path / "box.toml", "-o", tmp_path / "run", "--dry-run")
+    assert (code, err) == (0, "")
+    assert "stages would be run" in out
 
 
 def test_what_a_drawing_has_no_place_for_is_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
