@@ -24,9 +24,8 @@ def path_cracks(
     """
     opening, slip = joint_cracks(stones, contacts, path.position[step], path.rotation[step])
     travelled = path.displacement if isinstance(path, BlockCapacityCurve) else path.movement
-    # Stones fall on the way from one step to the next, and have the place of the first of the two.
-    before = travelled[: len(travelled) + step if step < 0 else step]
-    gone = [part.stones for part in path.fallen if len(before) and part.displacement <= before[-1]]
+    last = len(travelled) + step if step < 0 else step
+    gone = [part.stones for part in path.fallen if part.left(travelled) < last]
     there = ~np.isin(contacts.blocks, np.concatenate([*gone, np.zeros(0, dtype=np.int64)])).any(axis=1)
     return np.where(there, opening, 0.0), np.where(there, slip, 0.0)
 

@@ -30,6 +30,11 @@ class FallenStones(ReadOnly):
     def __post_init__(self) -> None:
         store(self, stones=indices("FallenStones.stones", self.stones, (None,)))
 
+    def left(self, travel: FloatArray) -> int:
+        """Return the last step that has these stones; travel (ns,): what `displacement` is measured by, which a control point
+        may bring to and fro, or backwards."""
+        return int(np.abs(travel - self.displacement).argmin())
+
 
 @dataclass(frozen=True, slots=True)
 class LastStep(ReadOnly):
@@ -143,7 +148,7 @@ class StonePath(ReadOnly):
         step = int(step)
         values = {item.name: getattr(self, item.name) for item in fields(self)}
         kept: dict[str, Any] = {name: value[: step + 1] for name, value in values.items() if isinstance(value, np.ndarray)}
-        fallen = tuple(part for part in self.fallen if part.displacement < travel[step])
+        fallen = tuple(part for part in self.fallen if part.left(travel) < step)
         last = self.last if step == len(travel) - 1 else LastStep()
         return replace(self, **kept, fallen=fallen, last=last, status="unfinished", message=f"up to step {step}")
 

@@ -8,7 +8,7 @@ import pytest
 import churchpipe as cp
 from churchpipe.large_displacements.cracks import joint_cracks, path_cracks
 from churchpipe.model.stone_path import FallenStones
-from solids import box
+from solids import box, on_ground
 
 # A lintel on two posts, one of which stands on a support that sinks.
 SOLIDS = [
@@ -47,3 +47,14 @@ def test_joints_of_stones_that_have_fallen_are_no_cracks(path: cp.SettlementPath
         opening, slip = path_cracks(STONES, CONTACTS, fallen, step)
         assert np.array_equal(opening[~of_lintel], there[~of_lintel])
         assert (opening[of_lintel].max() == slip[of_lintel].max() == 0.0) == gone
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_stones_have_fallen_whichever_way_a_control_point_goes(sign: float) -> None:
+    stones = on_ground(box((0, 0.3), (0, 1), (0, 2)), box((0, 0.3), (0, 1), (2, 2.5)))
+    contacts = cp.find_contacts(stones)
+    curve = cp.block_pushover(stones, contacts, cp.LoadCase((1, 0, 0)), 0.6, step=0.02, steps=4)
+    travel = sign * curve.displacement
+    curve = replace(curve, displacement=travel, fallen=(FallenStones(float(travel[1]), np.array([1, 2])),))
+    assert [path_cracks(stones, contacts, curve, step)[0].any() for step in range(4)] == [False, True, False, False]
+    assert [len(curve.until(step).fallen) for step in range(4)] == [0, 0, 1, 1]
