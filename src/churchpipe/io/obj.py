@@ -28,7 +28,8 @@ def write_obj(assemblage: Assemblage, path: str | PathLike[str]) -> None:
     Notes
     -----
     `read_stones` reads the stones back. Names have a space in the place of what would end them in an OBJ (# and \\). A free
-    stone, a panel or a material whose name begins like that of ground has its kind put before it, as in "stone ground-3".
+    stone, a panel or a material whose name, or what follows a slash in it, begins like that of ground has its kind put before it
+    and spaces for slashes, as in "stone ground-3".
     """
     fixed = assemblage.fixed
     plain = [_word(name, "" if held else "stone") for name, held in zip(assemblage.block_id, fixed, strict=True)]
@@ -48,7 +49,10 @@ def write_obj(assemblage: Assemblage, path: str | PathLike[str]) -> None:
 def _word(name: str, kind: str) -> str:
     """Return a name as an OBJ can hold it; one that would make ground of what is none, after its kind, if any."""
     word = " ".join(re.split(r"[#\\\s]+", str(name))).strip() or kind or "unnamed"
-    return f"{kind} {word}" if kind and GROUND.match(word) else word
+    # Before a slash stands the name of a file, where there are several.
+    if kind and any(map(GROUND.match, (word, word.rpartition("/")[2]))):
+        return f"{kind} {word.replace('/', ' ')}"
+    return word
 
 
 def _different(names: Iterable[str]) -> list[str]:

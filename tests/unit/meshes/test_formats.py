@@ -229,13 +229,13 @@ def test_a_mesh_that_was_written_comes_back(make: Callable[[], Assemblage], tmp_
 
 
 def test_a_mesh_names_no_free_stone_as_ground(tmp_path: Path) -> None:
-    names = ["base", "foundation stone", "a#1", "a 1", *(f"s{k}" for k in range(9))]
+    names = ["base", "foundation stone", "a#1", "a 1", "a/ground-1", *(f"s{k}" for k in range(8))]
     walls, stuff = ["", *["ground floor"] * 6, *["support"] * 6], ["rock"] + ["foundation"] * 12
     stones = named(wall(), block_id=names, panel=walls, material=stuff)
     cp.write_obj(stones, tmp_path / "stones.obj")
     read, _ = cp.read_stones(tmp_path / "stones.obj", unit_weight=18e3)
     assert read.fixed.tolist() == stones.fixed.tolist()
-    assert read.block_id.tolist()[:4] == ["base", "stone foundation stone", "a 1", "a 1 (2)"]
+    assert read.block_id.tolist()[:5] == ["base", "stone foundation stone", "a 1", "a 1 (2)", "stone a ground-1"]
     assert set(read.material[~read.fixed]) == {"material foundation"}
     text = (tmp_path / "stones.obj").read_text()
     assert [text.count(f"g {panel}\n") for panel in ("ground", "ground floor", "panel support")] == [1, 6, 6]
