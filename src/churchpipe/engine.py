@@ -31,8 +31,10 @@ UNFINISHED = "unfinished.txt"
 LOCAL = "local"
 # Loads its libraries while the plan of the run is made, and waits for its orders.
 _WAITING = "churchpipe.waiting_engine"
-# Dates of files are no finer than this on any system, ns.
+# Dates of files are no coarser than this, ns.
 _TICK = 10**9
+# Dates that differ by this are told apart by the engine, which has them as seconds, ns.
+_APART = 10**3
 # What the engine says where it cannot note which stages it has finished.
 _NO_ROOM = re.compile("No space left on device|Disk quota exceeded|Read-only file system")
 # What the engine says of the command of a stage that failed: its name, that of its result, and its exit status.
@@ -272,11 +274,21 @@ def crashes(folder: Path) -> str:
 
 
 def _date_back(folder: Path) -> None:
-    """Date what a clock that was ahead has dated after now: else what changes from now on would be older than its results."""
-    now = time.time_ns() - _TICK
+    """Date what a clock that was ahead has dated after now: else what changes from now on would be older than its results.
+
+    What was older than another stays so: a run may have been stopped where results were older than what they are made of.
+    """
+    now, ahead = time.time_ns(), dict[Path, int]()
     for path in folder.rglob("*"):
-        if path.lstat().st_mtime_ns > now + _TICK:
-            os.utime(path, ns=(now, now), follow_symlinks=False)
+        with suppress(FileNotFoundError):
+            if (date := path.lstat().st_mtime_ns) > now:
+                ahead[path] = date
+    order = {date: rank for rank, date in enumerate(sorted(set(ahead.values())))}
+    for path, date in ahead.items():
+        place = now - _TICK + min(order[date] * _APART, _TICK)
+        # A file of somebody else keeps its date.
+        with suppress(FileNotFoundError, PermissionError):
+            os.utime(path, ns=(place, place), follow_symlinks=False)
 
 
 @contextmanager

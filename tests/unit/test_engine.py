@@ -1,9 +1,11 @@
 """The engine that waits for its orders, and the news of the stages in its output."""
 
 import json
+import os
 import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -61,10 +63,25 @@ def test_an_engine_has_a_place_for_its_caches(home: str, tmp_path: Path, monkeyp
     place = tmp_path if home == "there" else Path("/dev/null/cache")
     monkeypatch.setenv("XDG_CACHE_HOME", str(place))
     with engine.started() as ready:
-        words = Path(f"/proc/{ready.process.pid}/environ").read_bytes().split(b"\0")
+        environment = Path(f"/proc/{ready.process.pid}/environ")
+        # While a process takes on another program it has none for a moment.
+        wait_for(lambda: bool(environment.read_bytes()), 30.0)
+        words = environment.read_bytes().split(b"\0")
         told = dict(word.decode(errors="replace").split("=", 1) for word in words if b"=" in word)
         assert Path(told["XDG_CACHE_HOME"]).is_dir()
         assert (Path(told["XDG_CACHE_HOME"]) == place) == (home == "there")
+
+
+def test_results_of_a_clock_that_was_ahead_stay_older_than_what_was_made_after_them(tmp_path: Path) -> None:
+    # A run was stopped between the stones and the load factors.
+    later, now = time.time() + 1e8, time.time()
+    for name, date in (("case", now - 9), ("states", later), ("stones", later + 1), ("contacts", later + 1)):
+        (tmp_path / name).write_text(name)
+        os.utime(tmp_path / name, (date, date))
+    engine._date_back(tmp_path)
+    case, states, stones, contacts = ((tmp_path / name).stat().st_mtime for name in ("case", "states", "stones", "contacts"))
+    assert case == pytest.approx(now - 9, abs=1e-3)
+    assert case < states < stones == contacts < time.time()
 
 
 def test_an_engine_whose_run_has_died_does_nothing() -> None:
