@@ -186,14 +186,16 @@ def _highest(cuts: Sequence[_Cut], most: FloatArray) -> tuple[float, FloatArray,
     )
     ends: FloatArray = np.asarray(found.x)
     upper, farthest = float(ends[-1]), ends[:-1]
-    bound: FloatArray = np.asarray(found.upper.marginals)[:count]
-    added = np.divide(np.maximum(-bound, 0.0), most, out=np.zeros(count), where=most > 0)
+    # The mechanisms of the planes that meet there, in shares: together they lengthen the ties that limit them.
+    share: FloatArray = -np.asarray(found.ineqlin.marginals)
+    added = np.maximum(share @ np.array([cut.rate for cut in cuts]), 0.0)
     best = _best(cuts)
     gain = upper - best.state.load_factor
     if gain <= _tolerance(upper):
         return upper, farthest * most, added
     aimed = upper - (1 - _LEVEL) * gain
-    near = _nearest(best.tension / most, slopes / gain, (aimed - level) / gain)
+    place = np.divide(best.tension, most, out=np.zeros(count), where=most > 0)
+    near = _nearest(place, slopes / gain, (aimed - level) / gain)
     return upper, (farthest if near is None else near) * most, added
 
 
