@@ -113,8 +113,8 @@ def summary(found: Survey) -> list[Finding]:
     if found.nameless:
         first = found.nameless[0]
         what = (
-            f"{counted(len(found.nameless), 'body', 'bodies')} without attributes, this one the first; named by "
-            'handle, and walls by layer where each layer holds the stones of one plane wall, or is laid; material "default"'
+            f"{counted(len(found.nameless), 'body', 'bodies')} without attributes, this one the first; named by handle, "
+            'and walls by layer where each layer holds the stones of one plane wall, or walls to be laid; material "default"'
         )
         out.append(first.finding("W22", what))
     return out
