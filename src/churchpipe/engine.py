@@ -138,7 +138,7 @@ def run(
         watch(event)
 
     with _only_run(folder) as lock, _stopped(engine.process):
-        _date_back(folder)
+        date_back(folder)
         if prepare:
             prepare()
         # Until the run has ended well, what lies here may be of an older case.
@@ -273,7 +273,7 @@ def crashes(folder: Path) -> str:
     return "\n".join(dict.fromkeys(told)) or f"A stage crashed; see {folder / 'run.log'}"
 
 
-def _date_back(folder: Path) -> None:
+def date_back(folder: Path) -> None:
     """Date what a clock that was ahead has dated after now: else what changes from now on would be older than its results.
 
     What was older than another stays so: a run may have been stopped where results were older than what they are made of.

@@ -5,11 +5,13 @@ import re
 import shutil
 import subprocess
 import tempfile
+import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from churchpipe.engine import command
+from churchpipe.engine import command, date_back
 from churchpipe.errors import InputError
 
 # What lies in a run folder beside the results that the engine looks at.
@@ -48,6 +50,7 @@ def pending(folder: Path, prepare: Callable[[Path], object], until: str = "") ->
         copy = Path(scratch) / "run"
         if folder.is_dir():
             shutil.copytree(folder, copy, copy_function=_link, ignore=shutil.ignore_patterns(*_LEFT))
+            date_back(copy)
         prepare(copy)
         done = subprocess.run([*command(copy, 1, until), "--dry-run"], capture_output=True, text=True, encoding="utf-8")
     if done.returncode:
@@ -57,10 +60,12 @@ def pending(folder: Path, prepare: Callable[[Path], object], until: str = "") ->
 
 
 def _link(source: str, target: str) -> None:
-    try:
-        os.link(source, target)
-    except OSError:
-        shutil.copy2(source, target)
+    with suppress(OSError):
+        # One that is dated back is a file of its own.
+        if Path(source).stat().st_mtime_ns <= time.time_ns():
+            os.link(source, target)
+            return
+    shutil.copy2(source, target)
 
 
 def _job(text: str) -> Job | None:

@@ -277,6 +277,10 @@ def test_results_of_a_clock_that_was_ahead_are_not_taken_for_newer(pristine: Cop
     shutil.copytree(pristine.out, copy.out)
     for path in copy.out.rglob("*"):
         os.utime(path, (later, later), follow_symlinks=False)
+    code, out, err = copy.run("--set", "material.default.friction=0.5", "--dry-run")
+    assert code == 0, err
+    assert re.search(r"^rigid .* its settings have changed", out, re.MULTILINE)
+    assert all(path.stat().st_mtime == pytest.approx(later) for path in copy.out.rglob("*.json"))
     code, out, err = copy.run("--set", "material.default.friction=0.5")
     assert code == 0, err
     assert re.search(r"associative +0\.5 ", out)

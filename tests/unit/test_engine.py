@@ -78,7 +78,7 @@ def test_results_of_a_clock_that_was_ahead_stay_older_than_what_was_made_after_t
     for name, date in (("case", now - 9), ("states", later), ("stones", later + 1), ("contacts", later + 1)):
         (tmp_path / name).write_text(name)
         os.utime(tmp_path / name, (date, date))
-    engine._date_back(tmp_path)
+    engine.date_back(tmp_path)
     case, states, stones, contacts = ((tmp_path / name).stat().st_mtime for name in ("case", "states", "stones", "contacts"))
     assert case == pytest.approx(now - 9, abs=1e-3)
     assert case < states < stones == contacts < time.time()
