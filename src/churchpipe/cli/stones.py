@@ -208,14 +208,17 @@ def _stones_of(path: Path, changes: Sequence[str], file: Path) -> tuple[Any, Any
     from dataclasses import asdict
 
     from churchpipe.config.case import Generated, read_case
-    from churchpipe.meshes.reader import read_file
+    from churchpipe.meshes.reader import files_of, read_file
     from churchpipe.stones.blocks import derive_blocks
 
     case = read_case(path, changes)
     if isinstance(case.source, Generated):
         return case, derive_blocks(case.building())
-    if file.exists() and file.samefile(case.source.path):
+    source = case.source.path
+    if file.exists() and any(map(file.samefile, files_of(source))):
         raise UsageError(f"--out {file}", "the file that the case is made of", expected="another name")
+    if source.is_dir() and file.parent.exists() and file.parent.samefile(source):
+        raise UsageError(f"--out {file}", "in the folder that the case is made of", expected="another folder")
     weights = {material.name: material.unit_weight for material in case.materials}
     return case, read_file(case.source.path, unit_weight=weights, **asdict(case.source.reading)).stones
 

@@ -248,6 +248,15 @@ def test_a_case_is_exported_as_a_mesh_and_imported_again(capsys: pytest.CaptureF
     code, _, err = call(capsys, "export-obj", tmp_path / "case" / "case.toml", "-o", tmp_path / "case" / "w.obj")
     assert code == 2
     assert "the file that the case is made of" in err
+    # Of a folder neither a file is lost, nor is one more of its bodies made.
+    (tmp_path / "parts").mkdir()
+    mesh.rename(tmp_path / "parts" / "w.obj")
+    code, _, _ = call(capsys, "import", tmp_path / "parts", "-o", tmp_path / "whole", *given)
+    assert code == 0
+    for name, said in (("w", "the file that the case is made of"), ("v", "in the folder that the case is made of")):
+        code, _, err = call(capsys, "export-obj", tmp_path / "whole/case.toml", "-o", tmp_path / f"whole/parts/{name}.obj")
+        assert code == 2
+        assert said in err
     code, _, err = call(capsys, "export-obj", tmp_path / "w.toml", "-o", tmp_path / "w.stl")
     assert code == 2
     assert "expected a name that ends in .obj" in err
