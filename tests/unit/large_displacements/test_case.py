@@ -133,7 +133,7 @@ def test_the_report_shows_each_load_once(curve: BlockCapacityCurve) -> None:
         sentences[0]
         == "friction 0.6: it starts at a load factor of 0.2500 and ends at 250 mm, where the load factor has vanished."
     )
-    assert sentences[1].startswith("friction = 0.5")
+    assert sentences[1].startswith("friction 0.5")
     assert sentences[1].endswith("not followed further. On the way fell a7 (at 100 mm).")
     assert block_curve_plots([record], "other") == []
     assert "no equilibria" not in plot
