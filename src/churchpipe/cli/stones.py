@@ -220,7 +220,7 @@ def _stones_of(path: Path, changes: Sequence[str], file: Path) -> tuple[Any, Any
     if source.is_dir() and file.parent.exists() and file.parent.samefile(source):
         raise UsageError(f"--out {file}", "in the folder that the case is made of", expected="another folder")
     weights = {material.name: material.unit_weight for material in case.materials}
-    return case, read_file(case.source.path, unit_weight=weights, **asdict(case.source.reading)).stones
+    return case, read_file(source, unit_weight=weights, **asdict(case.source.reading)).stones
 
 
 def _list(findings: Any) -> None:
