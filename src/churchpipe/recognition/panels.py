@@ -281,14 +281,18 @@ def _lintels(elevations: Polygons, openings: Sequence[Region], cell: UnitCell) -
 
 
 def _pattern(elevations: Polygons, cell: UnitCell) -> Literal["running", "stack"]:
-    """Return "stack" where most head joints continue in the next course, else "running"."""
-    start, bottom = bounds(elevations).T[:2]
-    course = np.round(bottom / cell.a).astype(np.int64)
-    inner = start > start.min() + 0.1 * cell.b
-    joint, course = start[inner], course[inner]
-    goes_on = [bool((np.abs(joint[course == k + 1] - s) < 0.05 * cell.b).any()) for s, k in zip(joint, course, strict=True)]
-    below_top = course < course.max(initial=0)
-    return "stack" if below_top.any() and np.mean(np.array(goes_on)[below_top]) > 0.7 else "running"
+    """Return "stack" where most head joints go on in the stones above, else "running"; courses may differ in height."""
+    start, bottom, end, top = bounds(elevations).T
+    near = 0.05 * cell.b
+    above = top + 0.1 * (top - bottom)
+    goes_on: list[bool] = []
+    for s, middle, over in zip(start, 0.5 * (bottom + top), above, strict=True):
+        beside, higher = ((bottom < level) & (top > level) for level in (middle, over))
+        parted = bool((higher & (np.abs(start - s) < near)).any())
+        bridged = bool((higher & (start < s - near) & (end > s + near)).any())
+        if (beside & (np.abs(end - s) < near)).any() and (parted or bridged):
+            goes_on.append(parted)
+    return "stack" if goes_on and np.mean(goes_on) > 0.7 else "running"
 
 
 def _parity(wall: StoneWall, walls: Sequence[StoneWall], cell: UnitCell) -> Literal[0, 1] | None:
