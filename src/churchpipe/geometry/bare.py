@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from churchpipe.geometry.planar import Polygons, less, outlined, triangles_of
+from churchpipe.geometry.manifolds import manifold
+from churchpipe.geometry.planar import Polygons, Region, less, outlined, polygon, triangles_of, united
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
@@ -31,6 +32,45 @@ def bare_triangles(stones: Assemblage, faces: IntArray) -> Iterator[tuple[int, F
         lying = [_flat(other) for other in others if np.abs(other[:, 2]).max() <= _APART]
         flat = triangles_of(less(_flat(own)[0], [region for (region,) in lying]))
         yield face, mean[face] + np.concatenate([flat, np.zeros((*flat.shape[:2], 1))], axis=2) @ frame
+
+
+def open_triangles(stones: Assemblage, faces: IntArray, level: float) -> Iterator[tuple[int, FloatArray]]:
+    """Yield each face (n,) of stones that looks up with the triangles (k, 3, 3) m that make up what no stone stands over.
+
+    A stone counts that is above the face and below a level z, m, at any distance: joints need not be closed.
+    """
+    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
+    for face, triangles in bare_triangles(stones, faces):
+        if not len(triangles):
+            continue
+        n, place = normal[face], triangles.reshape(-1, 3)
+        over = ((low[:, :2] < place[:, :2].max(axis=0) - _APART) & (high[:, :2] > place[:, :2].min(axis=0) + _APART)).all(axis=1)
+        over &= (low[:, 2] < level) & (high[:, 2] > place[:, 2].min() + _APART)
+        shadows = [part for stone in np.flatnonzero(over).tolist() for part in _shadow(stones, stone, n, n @ mean[face], level)]
+        if shadows:
+            flat = triangles_of(less(united([polygon(triangle[:, :2]) for triangle in triangles]), shadows))
+            triangles = np.dstack([flat, mean[face, 2] - (flat - mean[face, :2]) @ n[:2] / n[2]])
+        yield face, triangles
+
+
+def _shadow(stones: Assemblage, stone: int, normal: FloatArray, offset: float, level: float) -> list[Region]:
+    """Return in plan what of a stone lies in front of a plane, normal (3,) and offset m, and below a level z, m."""
+    points, faces = stones.solid(stone)
+    if (points @ normal).max() <= offset + _APART:
+        return []
+    x, y, z = normal.tolist()
+    body = manifold(points, [np.array(face) for face in faces])
+    body = body.trim_by_plane((x, y, z), offset + _APART).trim_by_plane((0.0, 0.0, -1.0), -level)
+    mesh = body.to_mesh64()
+    plan = np.asarray(mesh.vert_properties)[np.asarray(mesh.tri_verts, dtype=np.int64), :2]
+    return [polygon(triangle) for triangle in plan[_turn(plan) > 0]]
+
+
+def _turn(triangles: FloatArray) -> FloatArray:
+    """Return twice the area (n,) of plane triangles (n, 3, 2), above zero where their corners are counter-clockwise."""
+    one, other = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    return one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
 
 
 def _frame(normal: FloatArray) -> FloatArray:

@@ -6,21 +6,20 @@ from itertools import pairwise
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.bare import open_triangles
 from churchpipe.geometry.polygons import below
+from churchpipe.loading.pressure import backs
 from churchpipe.model.arguments import check_kind, listed, positive
-from churchpipe.model.arrays import BoolArray, FloatArray
+from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
 from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.fill import Fill
 from churchpipe.model.loads import LoadCase, nearest_virial, replaced
-from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 
-# A face is a part of the back when joints cover less than this share of it.
-_FREE = 0.5
-# Faces and joints whose normals differ by less than this sine, and whose planes by this share of the structure, are one.
-_PARALLEL, _ONE = 1e-3, 1e-6
+# A facet whose normal rises by no more than this bears no fill.
+_UPRIGHT = 1e-3
 
 
 def with_fill(
@@ -51,17 +50,19 @@ def with_fill(
     unit_weight
         Of the fill, N/m3.
     contacts
-        The joints of the stones, which tell their backs from their beds; a shell needs none.
+        The joints of the stones, where they are at hand; the fill lies on what no stone stands over.
 
     Raises
     ------
     InputError
-        Names that nothing has, no back below the level, stones without contacts, a load case of another profile.
+        Names that nothing has, no back below the level, contacts of other stones, a load case of another profile.
     """
     check_kind("with_fill: load", load, LoadCase)
     positive("with_fill: unit_weight", unit_weight)
     doubt_argument("with_fill: unit_weight", unit_weight, Fill, "unit_weight")
     check_kind("with_fill: body", body, Assemblage, ShellModel)
+    if contacts is not None and isinstance(body, Assemblage):
+        check_contacts_of(body, contacts)
     names = (panels,) if isinstance(panels, str) else tuple(listed("with_fill: panels", panels, str))
     missing = sorted(set(names) - set(body.panel.tolist()))
     if missing:
@@ -78,7 +79,7 @@ def with_fill(
     ]
     down = np.array([0.0, 0.0, -1.0])
     filled = 0.0
-    for owner, corner in _backs(body, np.isin(body.panel, names), contacts):
+    for owner, corner in _backs(body, names, level):
         volume, moment = _column(below(corner, level), level)
         filled += volume
         arm = moment - volume * centre[owner]
@@ -94,32 +95,25 @@ def with_fill(
     return replaced(load, dead=dead, dead_virial=virials[0], **found)
 
 
-def _backs(body: Assemblage | ShellModel, chosen: BoolArray, contacts: Contacts | None) -> Iterator[tuple[int, FloatArray]]:
-    """Yield the upper faces of the chosen stones or facets: their owner and their corners (k, 3) m."""
+def _backs(body: Assemblage | ShellModel, names: Sequence[str], level: float) -> Iterator[tuple[int, FloatArray]]:
+    """Yield what the named stones or facets show to the fill below a level z, m: their owner and a triangle (3, 3) m."""
     if isinstance(body, ShellModel):
+        chosen = np.isin(body.panel, names)
         upward = body.axes[:, 2] * np.where(body.axes[:, 2, 2:] < 0, -1.0, 1.0)
         # Nodes move out by half the thickness along the mean normal of the facets around them, so that backs meet as facets do.
         mean = np.zeros_like(body.points)
         np.add.at(mean, body.triangles[chosen], (body.area[:, None] * upward)[chosen][:, None])
         mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), np.finfo(float).tiny)
         outward = mean[body.triangles]
-        along = np.maximum(np.einsum("fkc,fc->fk", outward, upward), _PARALLEL)
+        along = np.maximum(np.einsum("fkc,fc->fk", outward, upward), _UPRIGHT)
         corners = body.points[body.triangles] + (0.5 * body.thickness[:, None] / along)[..., None] * outward
-        for facet in np.flatnonzero(chosen & (upward[:, 2] > _PARALLEL)).tolist():
+        for facet in np.flatnonzero(chosen & (upward[:, 2] > _UPRIGHT)).tolist():
             yield facet, corners[facet]
         return
-    if contacts is None:
-        raise InputError("with_fill: contacts", "missing", expected="the joints of the stones")
-    check_contacts_of(body, contacts)
-    vector, normal, mean = face_normals(body.points, body.face_nodes, body.face_ptr)
     owner = np.repeat(np.arange(body.count), np.diff(body.block_face_ptr))
-    middle = np.add.reduceat(contacts.point, contacts.point_ptr[:-1], axis=0) / contacts.points_per_interface[:, None]
-    for face in np.flatnonzero((normal[:, 2] > _PARALLEL) & chosen[owner] & ~body.fixed[owner]).tolist():
-        joints = np.flatnonzero((contacts.blocks == owner[face]).any(axis=1))
-        along = np.linalg.norm(np.cross(contacts.frame[joints, 0], normal[face]), axis=1) < _PARALLEL
-        on = np.abs((middle[joints] - mean[face]) @ normal[face]) < _ONE * body.size
-        if contacts.area[joints[along & on]].sum() < _FREE * float(np.linalg.norm(vector[face])):
-            yield int(owner[face]), body.points[body.face_nodes[slice(*body.face_ptr[face : face + 2])]]
+    for face, triangles in open_triangles(body, backs(body, names), level):
+        for corners in triangles:
+            yield int(owner[face]), corners
 
 
 def _column(corner: FloatArray, level: float) -> tuple[float, FloatArray]:

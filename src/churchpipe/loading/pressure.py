@@ -1,16 +1,16 @@
 """Soil or water against the face of a wall, and fill on the back of a vault."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.geometry.bare import bare_triangles
+from churchpipe.geometry.bare import bare_triangles, open_triangles
 from churchpipe.geometry.locate import inside_stones
 from churchpipe.geometry.polygons import behind, below
 from churchpipe.geometry.walls import WallLine, points_of
 from churchpipe.loading.bearing import CLOSE
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import Pressure
 from churchpipe.model.fill import Fill
@@ -79,7 +79,7 @@ def _in_face(stones: Assemblage, wall: WallLine, outward: FloatArray) -> Iterato
 def fill_weights(stones: Assemblage, load: Fill) -> list[tuple[FloatArray, int, float]]:
     """Return the weight of the fill over parts of the stones below it: point (3,) m of the face under it, stone, weight N.
 
-    Each column of fill stands on the face under it. What another stone covers bears none.
+    Each column of fill stands on the face under it. What another stone stands over, below the surface, bears none.
 
     Raises
     ------
@@ -91,18 +91,22 @@ def fill_weights(stones: Assemblage, load: Fill) -> list[tuple[FloatArray, int, 
             raise InputError(f"{load.called}: on", "no such vault", found=name, expected=", ".join(known))
     _, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
-    found: list[tuple[FloatArray, float, int, FloatArray]] = []
-    for face, triangles in bare_triangles(stones, np.flatnonzero((normal[:, 2] > _UP) & np.isin(stones.panel, load.on)[owner])):
+    found: list[tuple[FloatArray, int, float]] = []
+    for face, triangles in open_triangles(stones, backs(stones, load.on), load.top):
         for corners in triangles:
             parts = _on_face(below(corners, load.top), lambda z: load.unit_weight * (load.top - z))
-            found += [(point, size * float(normal[face, 2]), int(owner[face]), normal[face]) for point, size in parts]
-    if found:
-        bare = ~inside_stones(stones, np.array([point + 10 * CLOSE * up for point, _, _, up in found]))
-        found = [part for part, free in zip(found, bare.tolist(), strict=True) if free]
+            found += [(point, int(owner[face]), size * float(normal[face, 2])) for point, size in parts]
     if not found:
         expected = f"faces of {', '.join(load.on)} that look up, below z = {load.top:g} m"
         raise InputError(load.called, "nothing that it could lie on", expected=expected)
-    return [(point, stone, weight) for point, weight, stone, _ in found]
+    return found
+
+
+def backs(stones: Assemblage, names: Sequence[str]) -> IntArray:
+    """Return the faces that look up of the free stones of some walls or vaults."""
+    _, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    chosen = np.isin(stones.panel, names) & ~stones.fixed
+    return np.flatnonzero((normal[:, 2] > _UP) & np.repeat(chosen, np.diff(stones.block_face_ptr)))
 
 
 def _on_face(polygon: FloatArray, pressed: Callable[[FloatArray], FloatArray]) -> list[tuple[FloatArray, float]]:
