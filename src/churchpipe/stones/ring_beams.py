@@ -10,7 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.manifolds import manifold
 from churchpipe.geometry.planar import hull, pieces, polygon, rings, united
 from churchpipe.geometry.prism import prism_of
-from churchpipe.geometry.walls import WallLine, wall_line
+from churchpipe.geometry.walls import WallLine, points_of, wall_line
 from churchpipe.model.arguments import check_kind, listed, positive
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage, Polyhedron, assemble
@@ -18,8 +18,10 @@ from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.ring_beam import RING_BEAM, RingBeam
 
-# A wall's top is level to this, m.
-_LEVEL = 1e-5
+# A wall's top is level to the first, m, as that of drawn stones is. One that sinks by less than the second slopes.
+_LEVEL, _SINKS = 1e-3, 1e-2
+# Ends of a beam, and what it may be wider than its wall, are known to this, m.
+_EXACT = 1e-5
 # A beam runs into stones that it overlaps deeper than this, m: drawn ones may overlap a little.
 _INTO = 1e-3
 # Beams of several walls that meet within this are one, m.
@@ -133,18 +135,19 @@ def _stretch(stones: Assemblage, beam: RingBeam, name: str) -> _Stretch:
     where = f"ring beam on {name}"
     wall = wall_line(stones, name, where)
     width = wall.thickness if beam.width is None else beam.width
-    if not width <= wall.thickness + _LEVEL:
+    if not width <= wall.thickness + _EXACT:
         raise InputError(f"{where}: width", "out of range", found=width, expected=f"at most {wall.thickness:.6g} m")
-    high = np.maximum.reduceat(stones.points[:, 2], stones.block_point_ptr[:-1])[wall.stones]
-    upper = wall.stones[high > wall.top - _LEVEL]
-    covered = stones.points[np.isin(np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr)), upper)]
-    along = covered[np.abs(covered[:, 2] - wall.top) < _LEVEL, :2] @ wall.axis - float(wall.origin @ wall.axis)
-    low, high = float(along.min()), float(along.max())
-    if high - low < _LEVEL:
+    points = points_of(stones, wall.stones)
+    along, depth = points[:, :2] @ wall.axis - float(wall.origin @ wall.axis), wall.top - points[:, 2]
+    low, high = float(along[depth < _LEVEL].min()), float(along[depth < _LEVEL].max())
+    sinks = (depth >= _LEVEL) & (depth < _SINKS) & ((along < low - _LEVEL) | (along > high + _LEVEL))
+    if high - low < _LEVEL or sinks.any():
+        lower = f"{1e3 * depth[sinks].max(initial=0.0):.2g} mm lower beside its highest stones"
+        found = lower if sinks.any() else "a gable or a single point"
         expected = "a wall that ends in one level course; leave this one out, or run the beam along the others"
-        raise InputError(where, f"the top of the wall {name} is not level", found="a gable or a single point", expected=expected)
+        raise InputError(where, f"the top of the wall {name} is not level", found=found, expected=expected)
     span = low if beam.begin is None else beam.begin, high if beam.end is None else beam.end
-    if not low - _LEVEL <= span[0] < span[1] <= high + _LEVEL:
+    if not low - _EXACT <= span[0] < span[1] <= high + _EXACT:
         found, expected = f"from {span[0]:g} m to {span[1]:g} m", f"within {low:.6g} and {high:.6g} m"
         raise InputError(where, "not on the wall's level top", found=found, expected=expected)
     return _Stretch(wall, span, width)
