@@ -10,26 +10,28 @@ from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 
-# A face lies on another if it looks against it to this cosine, and all its corners are within this distance of its plane, m.
+# A face lies on another if it looks against it to this cosine, and all its corners are near its plane: to the first distance, m,
+# or to a share of its size, as where joints are drawn with little care.
 _AGAINST = 0.99
-_APART = 1e-4
+_APART, _SHARE = 1e-4, 5e-3
 
 
 def bare_triangles(stones: Assemblage, faces: IntArray) -> Iterator[tuple[int, FloatArray]]:
     """Yield each face (n,) of stones with the triangles (k, 3, 3) m that make up what no face of another stone lies on."""
-    _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    vector, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
     corner = stones.points[stones.face_nodes]
     low, high = (edge.reduceat(corner, stones.face_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
+    apart = np.maximum(_APART, _SHARE * np.linalg.norm(vector, axis=1) ** 0.5)
     for face in faces.tolist():
-        near = ((low <= high[face] + _APART) & (high >= low[face] - _APART)).all(axis=1)
+        near = ((low <= high[face] + apart[face]) & (high >= low[face] - apart[face])).all(axis=1)
         covers = np.flatnonzero(near)
         covers = covers[(owner[covers] != owner[face]) & (normal[covers] @ normal[face] < -_AGAINST)]
         frame = _frame(normal[face])
         own, *others = (
             (corner[stones.face_ptr[k] : stones.face_ptr[k + 1]] - mean[face]) @ frame.T for k in (face, *covers.tolist())
         )
-        lying = [_flat(other) for other in others if np.abs(other[:, 2]).max() <= _APART]
+        lying = [_flat(other) for other in others if np.abs(other[:, 2]).max() <= apart[face]]
         flat = triangles_of(less(_flat(own)[0], [region for (region,) in lying]))
         yield face, mean[face] + np.concatenate([flat, np.zeros((*flat.shape[:2], 1))], axis=2) @ frame
 
