@@ -39,9 +39,9 @@ from churchpipe.stones.ring_beams import add_beams
 from churchpipe.stones.soundness import check_soundness
 from churchpipe.wording import counted
 
-# Processor time of the associative limit load (docs/benchmarks_shell.md, docs/benchmarks_limit_analysis.md), and how many times
-# that of an element a capacity curve takes besides.
-SECONDS_PER_ELEMENT, SECONDS_PER_STONE, CURVE = 0.003, 0.001, 4
+# Processor time of the associative limit load (docs/benchmarks_shell.md, docs/benchmarks_limit_analysis.md), how many times
+# that of an element a capacity curve takes besides, and how many times that of a stone an analysis without dilatancy takes.
+SECONDS_PER_ELEMENT, SECONDS_PER_STONE, CURVE, DILATANCY = 0.003, 0.001, 4, 100
 NONE_GIVEN: Final[Mapping[str, float | None]] = {}
 # What is written beside a case, or into the folder of a check.
 FINDINGS = ("findings.html", "findings.json", "findings.dxf")
@@ -227,7 +227,8 @@ def cost_words(elements: int, stones: int, shell: ShellTable) -> str:
     others = SECONDS_PER_STONE * stones
     words = f"Its {counted(elements, 'element takes', 'elements take')} some {max(1.0, own):.0f} s a load"
     words += f", the stones some {max(1.0, others):.0f} s"
-    words += ", and without dilatancy, as the case asks too, some hundred times as long" if stones <= MANY_STONES else ""
+    if stones <= MANY_STONES:
+        words += f", and without dilatancy, as the case asks too, some {max(1.0, DILATANCY * others):.0f} s"
     return f"{words}; --set shell=false leaves the shell out." if own >= 10 * others else f"{words}."
 
 

@@ -8,10 +8,11 @@ import ezdxf
 import numpy as np
 import pytest
 
+from churchpipe.config.shell_table import ShellTable
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.dxf.reading import Reading
 from churchpipe.findings import FindingsError
-from churchpipe.importing import import_drawing, record_findings
+from churchpipe.importing import cost_words, import_drawing, record_findings
 from damaged_drawings import SAMPLES
 
 BRICKS = [[(0, 0), (250, 0), (250, 65), (0, 65)], [(0, 65), (250, 65), (250, 130), (0, 130)]]
@@ -55,4 +56,10 @@ def test_an_import_shows_its_stones_and_says_whether_the_shell_matches(tmp_path:
     assert "Nothing to report." in page
     assert "The gate passed" in done.shell
     times = r"Its \d+ elements take some \d+ s a load, the stones some \d+ s, and without dilatancy, as the case asks too"
-    assert re.search(rf"{times}, some hundred times as long; --set shell=false leaves", done.shell)
+    assert re.search(rf"{times}, some \d+ s; --set shell=false leaves", done.shell)
+
+
+def test_what_stones_take_without_dilatancy_follows_from_their_number() -> None:
+    limit = ShellTable({"analyses": ["limit"]}, "")
+    assert "the stones some 1 s, and without dilatancy, as the case asks too, some 1 s;" in cost_words(114, 14, limit)
+    assert "the stones some 2 s, and without dilatancy, as the case asks too, some 200 s." in cost_words(900, 2000, limit)
