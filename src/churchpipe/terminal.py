@@ -26,7 +26,7 @@ from churchpipe.model.quantities import in_unit
 from churchpipe.model.swept import friction_of_material
 from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
 from churchpipe.report.table import interval_text
-from churchpipe.wording import counted
+from churchpipe.wording import counted, four_figures
 
 # Between two lines of progress of one stage, seconds: on a terminal, and where each line stays.
 PAUSE, PATIENCE = 0.25, 30.0
@@ -140,11 +140,11 @@ class Reporter:
 
 def sizes_words(summary: Summary) -> str:
     """Return the case of summary.json and the sizes of its models, as words."""
-    sizes = f"{counted(summary.blocks, 'stone')}, {counted(summary.interfaces, 'interface')}, {summary.weight / 1e3:.4g} kN"
+    sizes = f"{counted(summary.blocks, 'stone')}, {counted(summary.interfaces, 'interface')}"
     shells = list(summary.shells.values()) or [summary.shell]
     meshes = ", ".join(f"{shell.elements}" for shell in shells if shell and shell.elements)
-    sizes += f"; shell of {meshes} elements" if meshes else ""
-    return f"{summary.case}: {sizes}"
+    shell = f"; shell of {meshes} elements" if meshes else ""
+    return f"{summary.case}: {sizes}, {four_figures(summary.weight / 1e3)} kN{shell}"
 
 
 def results_table(summary: Summary) -> Table:
@@ -231,7 +231,7 @@ def mechanism_table(summary: Summary) -> Table | None:
     for one in listed[:MOST_ROWS]:
         check = _activated(one)
         names = ("moving_weight", "a0_lumped", "mass_fraction")
-        figures = [f"{round(in_unit(check, name)[0], 9):z.4g}" for name in names] if check else [""] * 3
+        figures = [four_figures(round(in_unit(check, name)[0], 9) + 0.0) for name in names] if check else [""] * 3
         words = [what_moves(one)] if named else []
         table.add_row(one.name or one.load, *words, *figures)
     return table

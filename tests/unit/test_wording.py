@@ -10,7 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.terminal import results_table
-from churchpipe.wording import counted
+from churchpipe.wording import counted, four_figures
 from command_line import call
 from records import summary
 from solids import box, on_ground
@@ -45,6 +45,11 @@ def test_a_drawing_of_one_stone(capsys: pytest.CaptureFixture[str], tmp_path: Pa
 
 def test_a_table_of_one_stone() -> None:
     assert str(results_table(summary(weight_kN=18.0)).title) == "w: 1 stone, 1 interface, 18 kN"
+
+
+def test_a_heavy_building_weighs_no_power_of_ten() -> None:
+    assert str(results_table(summary(weight_kN=24563.2)).title) == "w: 1 stone, 1 interface, 24,563 kN"
+    assert [four_figures(value) for value in (0.00123456, 18.0, 999.96, 1234.5)] == ["0.001235", "18", "1,000", "1,234"]
 
 
 def test_one_near_miss() -> None:

@@ -12,7 +12,7 @@ from churchpipe.cli.cases import check_case
 from churchpipe.cli.reading import refuse_misplaced, with_reading
 from churchpipe.errors import UsageError
 from churchpipe.options import CaseFile, Changes, ContactAngle, ContactGap, Folder, ModelFile, Overlap, StonesFile, out_option
-from churchpipe.wording import counted
+from churchpipe.wording import counted, four_figures
 
 
 @app.command("import-dxf", help="Make a case of a drawing: the same as import.")
@@ -53,7 +53,7 @@ def import_file(
         tolerances=parse_tolerances(contact_gap, contact_angle, overlap),
     )
     _list(done.findings)
-    held = f"{counted(done.stones, 'stone')}, {done.volume:.4g} m3, on {counted(done.fixed, 'fixed one')}"
+    held = f"{counted(done.stones, 'stone')}, {four_figures(done.volume)} m3, on {counted(done.fixed, 'fixed one')}"
     out.print(f"{held}: {done.case}", markup=False, soft_wrap=True)
     more = ", findings.json, and findings.dxf with circles to lay over the drawing" if len(done.findings) else ""
     out.print(f"Look at it: {folder / 'findings.html'}{more}", markup=False, soft_wrap=True)
@@ -123,7 +123,7 @@ def check(
         record_findings(read.findings, folder, read.units, read.stones, f"{after}, with the same options, makes a case of it.")
         out.print(f"Look at it: {folder / 'findings.html'}", markup=False, soft_wrap=True)
     warnings = counted(len(read.findings), "warning") if len(read.findings) else "nothing to report"
-    held = f"{counted(int((~read.stones.fixed).sum()), 'stone')}, {free_volume(read.stones):.4g} m3"
+    held = f"{counted(int((~read.stones.fixed).sum()), 'stone')}, {four_figures(free_volume(read.stones))} m3"
     out.print(f"{file}: {held}, {warnings}.", markup=False, soft_wrap=True)
     out.print(f"Next: {after}, with the same options", markup=False, soft_wrap=True)
 

@@ -53,6 +53,7 @@ from churchpipe.report.variants import link_to, variants_section
 from churchpipe.report.vault_sections import vault_sections
 from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.stones.ring_beams import ring_beams
+from churchpipe.wording import four_figures
 
 CARDS = 8
 
@@ -185,11 +186,10 @@ def _mesh_size(summary: Summary, meshes: Sequence[str]) -> ShellSize | None:
 def _facts(found: Size, shell: ShellSize | None, stones: Assemblage) -> list[tuple[str, str]]:
     free = stones.points[~stones.fixed[stone_of_point(stones)]]
     size = " \u00d7 ".join(amount(float(length), 2) for length in np.ptp(free, axis=0))
-    weight = found.weight / 1e3
     counts = {"stones": found.blocks, "interfaces": found.interfaces, "contact points": found.contact_points}
     counts |= {"shell elements": shell.elements, "shell nodes": shell.nodes} if shell else {}
     facts = [(title, f"{count:,}") for title, count in counts.items()]
-    of_stones = [("weight", f"{weight:,.0f} kN" if weight >= 1e3 else f"{weight:.4g} kN")]
+    of_stones = [("weight", f"{four_figures(found.weight / 1e3)} kN")]
     of_stones.append(("size along x \u00d7 y \u00d7 z", f"{size} m"))
     return facts[:3] + of_stones + facts[3:]
 

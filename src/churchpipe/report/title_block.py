@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.wording import four_figures
 
 _TITLES = {"client": "client", "author": "author", "date": "date", "revision": "revision"}
 
@@ -42,9 +43,9 @@ def material_rows(
             (
                 name,
                 f"{int(chosen.sum()):,}",
-                f"{volume:.4g}",
+                four_figures(float(volume)),
                 f"{weight / volume / 1e3:.4g}",
-                f"{weight / 1e3:,.4g}" if weight < 1e7 else f"{weight / 1e3:,.0f}",
+                four_figures(float(weight) / 1e3),
                 _values(swept, f"material.{name}.friction", material.get("friction"), 1.0),
                 _values(swept, f"material.{name}.cohesion_kPa", material.get("cohesion"), 1e3),
             )
