@@ -25,7 +25,9 @@ class JointGroup:
 
     name: Annotated[str, "For messages."]
     kind: Annotated[
-        ContactKind | None, "What they are: bed and head joints, those of two walls, with or without mortar, bases."
+        ContactKind | None,
+        "What they are: level, upright and sloping (bed, head, radial; the crown of an arch of an even number of voussoirs is "
+        "upright), those of two walls with or without mortar (junction, butt), those on the ground (base).",
     ] = None
     walls: Annotated[tuple[str, ...], "Walls that they lie in."] = ()
     between: Annotated[tuple[str, str] | None, "Two walls, or parts of vaults, that meet in them."] = None
