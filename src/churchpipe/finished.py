@@ -48,7 +48,8 @@ def asked(case: Path, changes: Sequence[str], drawing: Path | None) -> Asked:
 def note_finished(folder: Path, begun: Asked, *, good: bool) -> None:
     """Note that a folder holds the results of what was asked for, are they good or not."""
     engine = folder.resolve() / RECORD.parent
-    files = [path for path in _files(folder) if engine not in path.parents]
+    # A link to nowhere, as editors leave one while a file is open, is no result.
+    files = [path for path in _files(folder) if engine not in path.parents and path.exists()]
     stamps = _stamps(folder, [path.relative_to(folder.resolve()) for path in files]) | begun.drawing
     write_text(folder / RECORD, json.dumps({"question": begun.question, "good": good, "files": stamps}))
 

@@ -49,7 +49,8 @@ def pending(folder: Path, prepare: Callable[[Path], object], until: str = "") ->
     with tempfile.TemporaryDirectory(prefix=".dry-run-", dir=near) as scratch:
         copy = Path(scratch) / "run"
         if folder.is_dir():
-            shutil.copytree(folder, copy, copy_function=_link, ignore=shutil.ignore_patterns(*_LEFT))
+            left = shutil.ignore_patterns(*_LEFT)
+            shutil.copytree(folder, copy, copy_function=_link, ignore=left, ignore_dangling_symlinks=True)
             date_back(copy)
         prepare(copy)
         done = subprocess.run([*command(copy, 1, until), "--dry-run"], capture_output=True, text=True, encoding="utf-8")

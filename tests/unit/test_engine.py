@@ -157,3 +157,12 @@ def test_a_dry_run_says_in_words_what_a_stopped_run_left(monkeypatch: pytest.Mon
     monkeypatch.setattr("churchpipe.pending.subprocess.run", lambda *_, **__: done)
     [job] = pending(tmp_path, lambda _: None)
     assert (job.stage, job.name, job.why) == ("contacts", "base", "a run was stopped while it was made")
+
+
+def test_a_dry_run_leaves_out_what_an_editor_marks_by_a_link_to_nowhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "plan.json").touch()
+    (tmp_path / ".#plan.json").symlink_to("somebody@somewhere.123")
+    monkeypatch.setattr("churchpipe.pending.subprocess.run", lambda *_, **__: subprocess.CompletedProcess([], 0, "", ""))
+    seen: list[str] = []
+    assert pending(tmp_path, lambda copy: seen.extend(path.name for path in copy.iterdir())) == []
+    assert seen == ["plan.json"]

@@ -55,6 +55,16 @@ def test_a_folder_that_was_touched_is_not(run: tuple[Path, Path], disturb: Calla
     assert finished(folder, case, ["load.scale=2"]) is None
 
 
+def test_a_file_that_an_editor_has_open_is_no_result(run: tuple[Path, Path]) -> None:
+    case, folder = run
+    # So Emacs marks it, by a link to nowhere.
+    (folder / ".#plan.json").symlink_to("somebody@somewhere.123")
+    note_finished(folder, asked(case, [], None), good=True)
+    assert finished(folder, case, []) is True
+    (folder / ".#plan.json").unlink()
+    assert finished(folder, case, []) is True
+
+
 def test_a_copy_of_a_folder_tells_of_its_own_files(run: tuple[Path, Path]) -> None:
     case, folder = run
     copy = Path("copy")
