@@ -47,7 +47,7 @@ def follow_curve(
     friction, _ = joint_strength(stones, joints, materials, joints_of(table))
     applied = placed(carries_of(table), stones)
     name = "halved_steps" if stage == "halved" else "steps"
-    kept = KeptSteps(BlockCapacityCurve, state.parent, inputs, code_of(stage), name)
+    kept = KeptSteps(BlockCapacityCurve, state.parent, (*inputs, *first), code_of(stage), name)
     made = {found.flow: found for found in (read_npz(path, LimitState) for path in first)}
     found = block_pushover(
         stones,

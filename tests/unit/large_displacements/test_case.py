@@ -22,6 +22,7 @@ from churchpipe.io.npz import read_npz, write_npz
 from churchpipe.io.recording import curve_record_of
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.names import GOOD
+from churchpipe.model.results import LimitState
 from churchpipe.model.stone_path import FallenStones
 from churchpipe.report.block_curves import block_curve_plots
 from churchpipe.report.frames import frames, placed, write_path
@@ -240,6 +241,33 @@ def test_a_killed_run_goes_on_from_its_steps(tmp_path: Path) -> None:
     lever = 0.15 - found.displacement
     assert found.load_factor == pytest.approx(lever / np.sqrt((0.3**2 + 1.8**2) / 4 - lever**2), abs=1e-6)
     assert list(folder.glob("steps_*.npz")) == []
+
+
+def test_steps_are_not_gone_on_from_where_the_curve_begins_from_other_analyses(tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    configure(case_file(tmp_path, CASE + "[rigid.curve]\nstep_mm = 20\nsteps = 4\n"), out)
+    geometry, folder = out / "geometry" / "base", out / "curve" / "+y_curve"
+    stages.source(geometry / "settings.json", geometry / "building.json")
+    stages.blocks(geometry / "building.json", geometry / "assemblage.npz")
+    stages.contacts(geometry / "tolerances.json", geometry / "assemblage.npz", geometry / "contacts.npz")
+    inputs = geometry / "assemblage.npz", geometry / "contacts.npz"
+    begun, other = tmp_path / "begun.npz", tmp_path / "other.npz"
+    stages.rigid(out / "rigid" / "+y_associative" / "settings.json", *inputs, begun, tmp_path / "rigid.json")
+    write_npz(other, replace(read_npz(begun, LimitState), message="another start"))
+    files = folder / "settings.json", *inputs, folder / "curve.npz", folder / "curve.json"
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    def message(first: Path) -> str:
+        with pytest.raises(KeyboardInterrupt):
+            stages.curve(*files, begun, progress=interrupt)
+        assert list(folder.glob("steps_*.npz"))
+        stages.curve(*files, first)
+        return read_npz(folder / "curve.npz", BlockCapacityCurve).message
+
+    assert "continued from step" in message(begun)
+    assert "continued from step" not in message(other)
 
 
 def test_a_line_load_travels_with_the_top_of_its_wall(tmp_path: Path) -> None:
