@@ -34,7 +34,7 @@ def run_name(case: Path) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """What a run is asked for as it begins: the question, and the drawing as it was, if there is one."""
+    """What a run is asked for as it begins: the question, and the files of the drawing as they were, if there is one."""
 
     question: str
     drawing: _Stamps
@@ -42,7 +42,7 @@ class Asked:
 
 def asked(case: Path, changes: Sequence[str], drawing: Path | None) -> Asked:
     """Return what a case with these changes asks for, before any stage reads it: it may be edited while the run is at work."""
-    return Asked(_question(case, changes), _stamps(case.parent, [drawing.resolve()] if drawing else []))
+    return Asked(_question(case, changes), _stamps(case.parent, _drawn(drawing.resolve()) if drawing else []))
 
 
 def note_finished(folder: Path, begun: Asked, *, good: bool) -> None:
@@ -74,6 +74,16 @@ def _question(case: Path, changes: Sequence[str]) -> str:
     program += [pipeline / "Snakefile", *_files(pipeline / "rules"), *_files(pipeline / "profiles")]
     asked = [str(case.resolve()), hashlib.sha256(case.read_bytes()).hexdigest(), list(changes), _stamps(own, program)]
     return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
+
+
+def _drawn(drawing: Path) -> list[Path]:
+    """Return the files that a drawing is read from and, where there may be several, their folders, which others may join."""
+    from churchpipe.meshes.reader import BODIES, files_of
+
+    files = files_of(drawing)
+    several = [drawing] if drawing.is_dir() else [drawing.parent] if drawing.name == BODIES else []
+    folders = {*several, *(file.parent for file in files if several)}
+    return [*files, *sorted(folders)]
 
 
 def _files(folder: Path) -> Iterator[Path]:

@@ -84,6 +84,32 @@ def test_a_drawing_is_a_part_of_the_question(tmp_path: Path) -> None:
     assert finished(tmp_path / "run", case, []) is None
 
 
+@pytest.mark.parametrize("other", ["a.obj", "c.obj"], ids=["edited", "added"])
+def test_a_folder_of_stones_is_a_part_of_the_question_with_all_its_files(other: str, tmp_path: Path) -> None:
+    case, stones = case_file(tmp_path, WALL), tmp_path / "stones"
+    stones.mkdir()
+    for name in ("a.obj", "b.obj"):
+        (stones / name).write_text("v 0 0 0\n")
+    note_finished(tmp_path / "run", asked(case, [], stones), good=True)
+    assert finished(tmp_path / "run", case, []) is True
+    (stones / other).write_text("v 0 0 0\nv 1 0 0\n")
+    assert finished(tmp_path / "run", case, []) is None
+
+
+def test_the_files_beside_a_model_of_lmgc90_are_a_part_of_the_question(tmp_path: Path) -> None:
+    case, model = case_file(tmp_path, WALL), tmp_path / "model" / "DATBOX" / "BODIES.DAT"
+    model.parent.mkdir(parents=True)
+    model.write_text("$bdyty\n")
+    for drawing in (model, model.parent, model.parent.parent):
+        driven = model.with_name("DRV_DOF.DAT")
+        driven.unlink(missing_ok=True)
+        for text in ("$bdyty\n", "$bdyty\n$nodty\n"):
+            note_finished(tmp_path / "run", asked(case, [], drawing), good=True)
+            assert finished(tmp_path / "run", case, []) is True
+            driven.write_text(text)
+            assert finished(tmp_path / "run", case, []) is None
+
+
 @pytest.mark.parametrize("edited", ["case", "drawing", ""])
 def test_what_is_edited_during_a_run_is_not_answered_by_it(edited: str, tmp_path: Path) -> None:
     case, drawing = case_file(tmp_path, WALL), tmp_path / "stones.dxf"
