@@ -23,10 +23,17 @@ def keep_compiled() -> None:
         folder = Path(gettempdir(), f"churchpipe-{os.getuid()}")
         with suppress(FileExistsError):
             folder.mkdir(mode=0o700)
-        # What is kept is code: a folder of this name that others made, or can write to, is not trusted.
+        # One in its place is found again by whoever comes next.
+        known = [folder, *sorted(folder.parent.glob(f"{folder.name}-*"))]
+        os.environ[PLACE] = str(next(filter(_own, known), None) or mkdtemp(prefix=f"{folder.name}-"))
+
+
+def _own(folder: Path) -> bool:
+    """Return whether nobody else made a folder, or can write to it: what is kept is code."""
+    with suppress(OSError):
         found = folder.lstat()
-        own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022
-        os.environ[PLACE] = str(folder if own else mkdtemp(prefix="churchpipe-"))
+        return stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022
+    return False
 
 
 def compiled() -> bool:

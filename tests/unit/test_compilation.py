@@ -62,6 +62,22 @@ def test_a_place_that_others_can_write_to_is_not_trusted(nowhere: Path, what: st
     assert stat.S_IMODE(chosen.stat().st_mode) == 0o700
 
 
+def test_another_place_is_found_again(nowhere: Path) -> None:
+    (nowhere / f"churchpipe-{os.getuid()}").mkdir()
+    (nowhere / f"churchpipe-{os.getuid()}").chmod(0o777)
+
+    def chosen() -> Path:
+        os.environ["NUMBA_CACHE_DIR"] = ""
+        keep_compiled()
+        return Path(os.environ["NUMBA_CACHE_DIR"])
+
+    place = chosen()
+    # The next process compiles nothing again, and leaves no place of its own behind.
+    assert chosen() == place
+    place.chmod(0o777)
+    assert chosen() not in (place, nowhere / f"churchpipe-{os.getuid()}")
+
+
 def test_loops_kept_in_the_home_mean_no_first_start(nowhere: Path) -> None:
     assert not compiled()
     kept = nowhere / "cache" / "numba" / "interior_point_0123"
