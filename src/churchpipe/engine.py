@@ -20,7 +20,7 @@ from typing import IO, Any
 from churchpipe import standby
 from churchpipe.compilation import caches_of_user, writable
 from churchpipe.errors import Extra, InputError, UsageError
-from churchpipe.io.atomic import PART
+from churchpipe.io.atomic import remove_parts
 from churchpipe.resources import pipeline_folder
 
 # News begin so; everything else in a run's output is Snakemake's, for people.
@@ -144,8 +144,7 @@ def run(
         # Until the run has ended well, what lies here may be of an older case.
         mark = folder / UNFINISHED
         mark.write_text("it was stopped, or is still at work\n", encoding="utf-8")
-        for part in folder.rglob(f"{PART}*"):
-            part.unlink(missing_ok=True)
+        remove_parts(folder)
         with (folder / "run.log").open("w", encoding="utf-8") as log:
             begin = time.time()
             _order(engine, command(folder, jobs, until, engine.profile)[3:], lock)

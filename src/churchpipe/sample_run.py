@@ -5,23 +5,24 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from churchpipe.io.atomic import write_json
+from churchpipe.io.atomic import PART, write_json
 from churchpipe.io.records import Analysis
 from churchpipe.run_folder import RunFolder
 
 Stages = Mapping[str, Callable[..., None]]
 
 
-def run_sample(table: Mapping[str, Any], drawing: Path, shared: Sequence[Path], stages: Stages) -> list[Analysis]:
+def run_sample(table: Mapping[str, Any], drawing: Path, shared: Sequence[Path], stages: Stages, place: Path) -> list[Analysis]:
     """Return the records of the analyses of a sample, as those of a run.
 
     Parameters
     ----------
     table: the settings of its stages by file, and its "index". drawing: that of the case, if its source is one. shared: files of
-    the run, relative to its folder, that take the place of the sample's own. stages: by name.
+    the run, relative to its folder, that take the place of the sample's own. stages: by name. place: where its own folder lies
+    meanwhile, which is in the run's, so that the next run removes what a killed one has left.
     """
     index = table["index"]
-    with tempfile.TemporaryDirectory(prefix="churchpipe-") as scratch:
+    with tempfile.TemporaryDirectory(prefix=PART, dir=place) as scratch:
         run = RunFolder(Path(scratch), index)
         for file in (run.path / part for part in shared):
             file.parent.mkdir(parents=True, exist_ok=True)

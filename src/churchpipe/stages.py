@@ -285,7 +285,7 @@ def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
 
     stages = (source, blocks, drawing, contacts, panels, shell, match, rigid, curve, halved, limit, pushover)
     try:
-        found = run_sample(read_json(settings), file, shared, {stage.__name__: stage for stage in stages})
+        found = run_sample(read_json(settings), file, shared, {stage.__name__: stage for stage in stages}, record.parent)
         write_record(record, Sample(tuple(found)))
     except InputError as error:
         write_record(record, Sample((), str(error)))

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ from scipy import stats
 from case_texts import WALL, case_file
 from churchpipe import stages
 from churchpipe.configuring import configure
+from churchpipe.io.atomic import remove_parts
+from churchpipe.run_folder import RunFolder
 
 THICKNESS = """
 [check]
@@ -138,3 +141,22 @@ def test_curves_that_are_checked_are_followed_in_half_the_step_and_those_of_samp
     assert study["load_factors"] == pytest.approx(
         np.array(summary["uncertainty"]["points"]["source.thickness_mm"]) / 600, rel=1e-3
     )
+
+
+def test_what_a_killed_sample_leaves_lies_in_its_run_and_is_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = configure(case_file(tmp_path, WALL + THICKNESS), tmp_path / "run").parent
+    left: list[Path] = []
+
+    def keep(of_sample: RunFolder, *_: object) -> None:
+        shutil.copytree(of_sample.path, of_sample.path.with_name(f"{of_sample.path.name}-killed"))
+        left.append(of_sample.path)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("churchpipe.sample_run._analyse", keep)
+    own = run / "sample" / "00001"
+    with pytest.raises(KeyboardInterrupt):
+        stages.sample(own / "settings.json", Path("none"), own / "records.json")
+    assert left[0].parent == own
+    assert sorted(path.name for path in own.iterdir()) == [f"{left[0].name}-killed", "settings.json"]
+    remove_parts(run)
+    assert [path.name for path in own.iterdir()] == ["settings.json"]
