@@ -26,6 +26,15 @@ def main() -> NoReturn:
         problem = error.strerror or str(error)
         err.print(f"{place}{problem}. Choose another place to write to.", style="red", soft_wrap=True)
         raise SystemExit(USAGE) from None
+    except UnicodeEncodeError as error:
+        # Of a name that the system gave as bytes, Python has those that are no text as surrogates.
+        if not "\udc80" <= error.object[error.start] <= "\udcff":
+            raise
+        begin = error.object.rfind("\n", 0, error.start) + 1
+        name = error.object[begin:].partition("\n")[0].encode(errors="surrogateescape").decode(errors="backslashreplace")
+        problem = "The name of a file or a folder is not in UTF-8, as after unpacking an archive of another system"
+        err.print(f"{problem}; found {name}. Rename it.", style="red", soft_wrap=True)
+        raise SystemExit(USAGE) from None
     except MemoryError:
         err.print("Out of memory: the structure is too large for this machine.", style="red", soft_wrap=True)
         raise SystemExit(STRUCTURE) from None

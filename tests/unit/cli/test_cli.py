@@ -23,6 +23,7 @@ import churchpipe
 from case_texts import WALL, case_file
 from churchpipe import cli, engine
 from churchpipe.cli import entry
+from churchpipe.config.asrun import claim
 from churchpipe.config.case import Drawing, read_case
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.dxf.reading import Reading
@@ -946,6 +947,23 @@ def test_a_full_disk_is_told_without_a_traceback(monkeypatch: pytest.MonkeyPatch
         entry.main()
     assert caught.value.code == 2
     assert "A file cannot be written: No space left on device. Choose another place to write to." in capsys.readouterr().err
+
+
+def test_a_folder_whose_name_is_no_text_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / os.fsdecode("gr\xfc\xdfe".encode("latin-1"))
+    folder.mkdir()
+    case_file(folder, WALL)
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(entry, "app", lambda: claim(tmp_path / "run", Path("case.toml")))
+    monkeypatch.setattr("signal.signal", lambda *_: None)
+    with pytest.raises(SystemExit) as ended:
+        entry.main()
+    assert ended.value.code == 2
+    error = capsys.readouterr().err
+    assert "not in UTF-8" in error
+    assert r"gr\xfc\xdfe/case.toml. Rename it." in error
 
 
 @pytest.mark.parametrize("bad", [False, True], ids=["results", "no run"])
