@@ -6,6 +6,7 @@ second.
 
 import json
 import os
+import signal
 import socket
 import sys
 from collections.abc import Sequence
@@ -28,7 +29,7 @@ def ask(place: str, arguments: Sequence[str]) -> int | None:
         line.sendall(order[sent:])
         line.shutdown(socket.SHUT_WR)
         # Whoever stood by was killed, and the command with it, where there is no answer.
-        return int(line.recv(16) or 1)
+        return int(line.recv(16) or 128 + signal.SIGKILL)
 
 
 def entrust(place: str, file: int) -> None:

@@ -37,6 +37,8 @@ _TICK = 10**9
 _APART = 10**3
 # What the engine says where it cannot note which stages it has finished.
 _NO_ROOM = re.compile("No space left on device|Disk quota exceeded|Read-only file system")
+# Exit status of a stage that ran out of memory.
+_NO_MEMORY = 3
 # What the engine says of the command of a stage that failed: its name, that of its result, and its exit status.
 _CRASHED = re.compile(r" stage -- (\w+) (\S+) .*returned non-zero exit status (\d+)")
 
@@ -262,7 +264,7 @@ def crashes(folder: Path) -> str:
     log = (folder / "run.log").read_text(encoding="utf-8", errors="replace")
     told: list[str] = []
     for stage, name, code in _CRASHED.findall(log):
-        ended = f"it ended with status {code}"
+        ended = "it ran out of memory" if int(code) == _NO_MEMORY else f"it ended with status {code}"
         if int(code) > 128:
             ended = f"signal {int(code) - 128} ended it from outside, as where the machine has no memory left"
         where = folder / "log" / stage / f"{name}.txt"

@@ -119,7 +119,7 @@ class Reporter:
         except OSError as error:
             if error.errno not in _NO_PLACE:
                 raise
-            place = f"{error.filename}: " if error.filename else "A file cannot be written: "
+            place = f"{Path(error.filename).absolute()}: " if error.filename else "A file cannot be written: "
             self._send("error", f"{place}{error.strerror}. Make room there, or choose another folder with --out.")
             return 1
         self._send("done", share=time.perf_counter() - begin)

@@ -85,7 +85,10 @@ def test_a_disk_that_is_full_is_said() -> None:
 
     stream = io.StringIO()
     assert Reporter("rigid", "+x", stream).run(work, takes_progress=False) == 1
-    assert "runs/x/state.npz: No space left on device. Make room there, or choose another folder" in stream.getvalue()
+    assert (
+        f"{Path('runs/x/state.npz').absolute()}: No space left on device. Make room there, or choose another folder"
+        in stream.getvalue()
+    )
 
     def broken() -> None:
         raise OSError(errno.ENOENT, "No such file or directory", "runs/x/state.npz")

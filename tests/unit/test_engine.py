@@ -29,7 +29,11 @@ def test_a_line_of_the_engine_alone_has_no_news() -> None:
 
 @pytest.mark.parametrize(
     ("status", "told"),
-    [(137, "signal 9 ended it from outside, as where the machine has no memory left"), (1, "it ended with status 1")],
+    [
+        (137, "signal 9 ended it from outside, as where the machine has no memory left"),
+        (3, "it ran out of memory"),
+        (1, "it ended with status 1"),
+    ],
 )
 def test_a_stage_that_ended_without_a_word_is_named(tmp_path: Path, status: int, told: str) -> None:
     command = "python -I -S call_standby.py stage -- shell base shell/base/shell.npz 2>&1 | tee log/shell/base.txt"

@@ -4,8 +4,10 @@ import fcntl
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -71,6 +73,24 @@ codes = [""",
     )
     done = stand_by(tmp_path, ["stage", "source", "base", "settings.json", "building.json"], ask=kill)
     assert json.loads(done.stderr.splitlines()[-1]) == [128 + 9]
+
+
+def test_a_command_whose_standby_was_killed_is_told_as_killed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # A short path, as sockets want it.
+    monkeypatch.chdir(tmp_path)
+    with socket.socket(socket.AF_UNIX) as door, ThreadPoolExecutor() as pool:
+        door.bind("door")
+        door.listen()
+        code = pool.submit(call_standby.ask, "door", ["stage"])
+        line, _ = door.accept()
+        order, files, _, _ = socket.recv_fds(line, 2**16, 3)
+        while part := line.recv(2**16):
+            order += part
+        for file in files:
+            os.close(file)
+        line.close()
+        assert json.loads(order)[0] == ["stage"]
+        assert code.result(timeout=10) == 128 + signal.SIGKILL
 
 
 def test_a_command_runs_by_itself_where_nobody_stands_by(tmp_path: Path) -> None:
