@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from churchpipe.compilation import writable
 from churchpipe.engine import command, date_back
 from churchpipe.errors import InputError
 
@@ -45,7 +46,9 @@ def pending(folder: Path, prepare: Callable[[Path], object], until: str = "") ->
     ------
     InputError: the engine cannot tell.
     """
-    near = folder.resolve().parent if folder.is_dir() else None
+    near = folder.resolve().parent
+    # Links need one file system, and cannot be where nothing can be written.
+    near = near if folder.is_dir() and writable(near) else None
     with tempfile.TemporaryDirectory(prefix=".dry-run-", dir=near) as scratch:
         copy = Path(scratch) / "run"
         if folder.is_dir():

@@ -170,3 +170,16 @@ def test_a_dry_run_leaves_out_what_an_editor_marks_by_a_link_to_nowhere(monkeypa
     seen: list[str] = []
     assert pending(tmp_path, lambda copy: seen.extend(path.name for path in copy.iterdir())) == []
     assert seen == ["plan.json"]
+
+
+def test_a_dry_run_does_without_a_place_beside_the_results(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    run, beside = tmp_path / "archive" / "run", tmp_path / "scratch"
+    run.mkdir(parents=True)
+    beside.mkdir()
+    (run / "plan.json").touch()
+    monkeypatch.setattr("tempfile.tempdir", str(beside))
+    monkeypatch.setattr(os, "access", lambda folder, _: Path(folder) != run.parent)
+    monkeypatch.setattr("churchpipe.pending.subprocess.run", lambda *_, **__: subprocess.CompletedProcess([], 0, "", ""))
+    seen: list[Path] = []
+    assert pending(run, lambda copy: seen.extend(copy.iterdir())) == []
+    assert [(path.name, path.parents[2]) for path in seen] == [("plan.json", beside)]
