@@ -147,7 +147,7 @@ def run(
         mark = folder / UNFINISHED
         mark.write_text("it was stopped, or is still at work\n", encoding="utf-8")
         remove_parts(folder)
-        with (folder / "run.log").open("w", encoding="utf-8") as log:
+        with _named(folder / "run.log") as log:
             begin = time.time()
             _order(engine, command(folder, jobs, until, engine.profile)[3:], lock)
             code = _follow(engine.process, log, follow, heard if engine.profile == LOCAL else _finished)
@@ -228,6 +228,17 @@ def _stopped(process: "subprocess.Popen[str]") -> Iterator[None]:
             except subprocess.TimeoutExpired:
                 os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[IO[str]]:
+    """Yield a file to write, whose name stands in what the system says of a write that fails."""
+    try:
+        with path.open("w", encoding="utf-8") as file:
+            yield file
+    except OSError as error:
+        error.filename = error.filename or str(path)
+        raise
 
 
 def _follow(
