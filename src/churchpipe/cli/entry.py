@@ -14,6 +14,9 @@ __all__ = ["app", "cases", "machine", "main", "runs", "stones"]
 def main() -> NoReturn:
     """Run the command line and leave with its exit code."""
     signal.signal(signal.SIGTERM, _interrupt)
+    # The terminal is closed; nohup lets a run go on then.
+    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, _interrupt)
     try:
         app()
     except InputError as error:

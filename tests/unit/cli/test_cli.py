@@ -7,6 +7,7 @@ import math
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from itertools import pairwise
@@ -947,6 +948,23 @@ def test_a_full_disk_is_told_without_a_traceback(monkeypatch: pytest.MonkeyPatch
         entry.main()
     assert caught.value.code == 2
     assert "A file cannot be written: No space left on device. Choose another place to write to." in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("before", "end"), [(signal.SIG_DFL, KeyboardInterrupt), (signal.SIG_IGN, SystemExit)], ids=["closed", "nohup"]
+)
+def test_a_terminal_that_is_closed_interrupts_but_for_nohup(
+    before: signal.Handlers, end: type[BaseException], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    monkeypatch.setattr(entry, "app", lambda: os.kill(os.getpid(), signal.SIGHUP))
+    signal.signal(signal.SIGHUP, before)
+    try:
+        with pytest.raises(end):
+            entry.main()
+    finally:
+        for number, handler in known.items():
+            signal.signal(number, handler)
 
 
 def test_a_folder_whose_name_is_no_text_is_said(
