@@ -59,12 +59,13 @@ def finished(folder: Path, case: Path, changes: Sequence[str]) -> bool | None:
     record = folder / RECORD
     if not record.is_file() or (folder / UNFINISHED).exists():
         return None
-    noted = json.loads(record.read_text(encoding="utf-8"))
     try:
+        noted = json.loads(record.read_text(encoding="utf-8"))
         same = noted["question"] == _question(case, changes) and noted["files"] == _stamps(folder, map(Path, noted["files"]))
-    except FileNotFoundError:
+        return noted["good"] if same else None
+    except (OSError, ValueError, KeyError, TypeError):
+        # A file is gone, or the record is damaged, as where the power failed.
         return None
-    return noted["good"] if same else None
 
 
 def _question(case: Path, changes: Sequence[str]) -> str:

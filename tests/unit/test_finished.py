@@ -9,7 +9,7 @@ import pytest
 
 from case_texts import WALL, case_file
 from churchpipe.engine import UNFINISHED
-from churchpipe.finished import asked, finished, note_finished, run_name
+from churchpipe.finished import RECORD, asked, finished, note_finished, run_name
 
 
 @pytest.fixture
@@ -52,6 +52,13 @@ def test_another_question_is_not(run: tuple[Path, Path]) -> None:
 def test_a_folder_that_was_touched_is_not(run: tuple[Path, Path], disturb: Callable[[Path], object]) -> None:
     case, folder = run
     disturb(folder)
+    assert finished(folder, case, ["load.scale=2"]) is None
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", '{"question": '])
+def test_a_damaged_record_is_none(text: str, run: tuple[Path, Path]) -> None:
+    case, folder = run
+    (folder / RECORD).write_text(text)
     assert finished(folder, case, ["load.scale=2"]) is None
 
 
