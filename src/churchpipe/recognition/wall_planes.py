@@ -1,7 +1,7 @@
 """Which plane wall each stone belongs to, and the mid-plane of that wall."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -79,7 +79,41 @@ def wall_planes(stones: Assemblage, free: BoolArray, ragged: Raggedness) -> list
         if len(wall.stones) < LEAST_STONES:
             break
         walls.append(wall)
-    return walls
+    return _in_turn(stones, walls, pairs)
+
+
+def _in_turn(stones: Assemblage, walls: Sequence[WallPlane], pairs: _Pairs) -> list[WallPlane]:
+    """Return the walls, a stone without a name that fills a crossing of two with that wall whose turn it is there.
+
+    Such a stone, as at the end of a lintel beside a corner, lies across the planes of both. Where walls are toothed into one
+    another, their courses fill the crossing in turn: the nearest ones are then of the other wall, and the next of its own.
+    """
+    owner = np.full(stones.count, -1, dtype=np.int64)
+    across = np.zeros((stones.count, len(walls)), dtype=np.bool_)
+    for number, wall in enumerate(walls):
+        owner[wall.stones] = number
+        alike = np.abs(pairs.plane - [*wall.normal[:2], wall.offset, wall.thickness]).max(axis=1) < PLANE_TOLERANCE
+        across[pairs.stone[alike], number] = True
+    in_two = across.sum(axis=1) == 2
+    for stone in np.flatnonzero(in_two & (stones.panel == "") & (owner >= 0)).tolist():
+        both = set(np.flatnonzero(across[stone]).tolist())
+        column = np.concatenate([_at(stones, walls[number], np.flatnonzero(owner == number), stone) for number in both])
+        column = column[~in_two[column]]
+        height = stones.centroid[:, 2] - stones.centroid[stone, 2]
+        column = column[np.argsort(np.abs(height[column]))]
+        sides = [owner[column[side * height[column] > 0]].tolist() for side in (-1.0, 1.0)]
+        nearest, following = ({side[k] for side in sides if len(side) > k} for k in (0, 1))
+        if len(nearest) == 1 and following == both - nearest:
+            owner[stone] = following.pop()
+    return [replace(wall, stones=np.flatnonzero(owner == number)) for number, wall in enumerate(walls)]
+
+
+def _at(stones: Assemblage, wall: WallPlane, own: IntArray, stone: int) -> IntArray:
+    """Return those of the stones (n,) of a wall that are, along it, where the middle of another stone is."""
+    along = np.array([-wall.normal[1], wall.normal[0]])
+    place, middle = stones.points[:, :2] @ along, float(stones.centroid[stone, :2] @ along)
+    low, high = (edge.reduceat(place, stones.block_point_ptr[:-1])[own] for edge in (np.minimum, np.maximum))
+    return own[(low < middle) & (middle < high)]
 
 
 def _check_one_stone_thick(wall: WallPlane, stones: Assemblage, stone: IntArray, plane: FloatArray, ragged: Raggedness) -> None:
