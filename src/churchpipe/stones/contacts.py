@@ -28,6 +28,8 @@ NARROW_SHARE = 0.25
 # Facets that are parallel enough only because their surfaces are curved share at least this part of the smaller one: the tip of
 # a stone cut to two chords of an arch touches the next voussoir, and does not rest on it.
 BENT_SHARE = 0.05
+# Normals of faces that are parallel differ by less than this, rad: so much is lost where coordinates are rounded.
+FOLD = 1e-3
 
 
 def find_contacts(
@@ -87,12 +89,13 @@ def find_contacts(
     limits = limits_of(stones, found, contact_gap, contact_angle, overlap, least, int(sure.sum()), ragged)
     narrowest = max(limits.noise, least_width)
     wide = _wide_enough(facets, found.side, widths(found.polygon), narrowest)
-    found = found[_meet(facets, found, limits) & wide]
+    meet = _meet(facets, found, limits)
+    folded, found = found[_folded(found) & wide & ~meet], found[meet & wide]
     exact, found = _one_of_both(facets, exact, sure, found)
     if narrowest > TOUCHING:
         exact = chosen(exact, np.flatnonzero(_wide_enough(facets, exact.side, _widths(exact), narrowest)))
-    found = uncovered(facets, exact, found, limits.noise)
-    joints = joined([exact, _interfaces(found, limits.noise)])
+    joints = joined([exact, _interfaces(uncovered(facets, exact, found, limits.noise), limits.noise)])
+    joints = joined([joints, _interfaces(_beside(facets, joints, folded, limits, narrowest), limits.noise)])
     return contacts_of(stones, facets.stone, joints, near_misses(facets, joints, limits), limits.tolerances)
 
 
@@ -123,6 +126,21 @@ def _meet(facets: Facets, found: Overlaps, limits: Limits) -> BoolArray:
         & ((found.lean <= allowed.contact_angle) | (found.area > BENT_SHARE * facets.area[found.side].min(axis=1)))
         & (found.middle - found.slack <= limits.middle)
     )
+
+
+def _folded(found: Overlaps) -> BoolArray:
+    """Return which overlaps (n,) are of facets with a fold, so that a face of the one may be parallel to the other."""
+    return (found.bend > 0) & (found.lean <= 2.0 * found.bend + FOLD)
+
+
+def _beside(facets: Facets, joints: Interfaces, folded: Overlaps, limits: Limits, narrowest: float) -> Overlaps:
+    """Return what meets of overlaps that gape as a whole, without the parts where other stones lie between.
+
+    A facet with a fold lies on another along one of its faces, and may gape where the stone on its other face begins.
+    """
+    left = folded[~np.isin(_pair(facets, folded.side), _pair(facets, joints.side))]
+    left = uncovered(facets, joints, left, limits.noise)
+    return left[_meet(facets, left, limits) & _wide_enough(facets, left.side, widths(left.polygon), narrowest)]
 
 
 def _wide_enough(facets: Facets, side: IntArray, width: FloatArray, noise: float) -> BoolArray:

@@ -232,6 +232,17 @@ def test_what_a_nearer_stone_hides_is_no_joint() -> None:
     assert np.abs(found.point[found.point_ptr[:-1][behind][0] :][:4, 0]).min() == pytest.approx(0.25)
 
 
+def test_a_stone_that_lies_on_a_fold_beside_a_wedge_is_joined_to_both() -> None:
+    # The top of the lowest stone falls by 4 degrees from x = 2 on; a wedge levels the rest, and a stone lies on both.
+    slope = math.tan(math.radians(4.0))
+    base = prism([(0, -0.5), (2.3, -0.5), (2.3, -0.3 * slope), (2, 0), (0, 0)], 1.0)
+    wedge = prism([(0, 0), (2, 0), (0, 2 * slope)], 1.0)
+    top = prism([(0, 2 * slope), (2.3, -0.3 * slope), (2.3, 0.6), (0, 0.6)], 1.0)
+    found = find_contacts(triangulated(Assemblage.from_polyhedra([base, wedge, top], 18e3, fixed=[0])))
+    assert found.blocks.tolist() == [[0, 1], [0, 2], [1, 2]]
+    assert found.area == pytest.approx([2.0, 0.3 / math.cos(math.atan(slope)), 2.0 / math.cos(math.atan(slope))], rel=0.01)
+
+
 @pytest.mark.parametrize(("below", "above"), [(20, 20), (20, 29), (24, 31)])
 def test_a_curved_joint_meshed_differently_on_both_sides(below: int, above: int) -> None:
     def arc(pieces: int) -> list[tuple[float, float]]:
