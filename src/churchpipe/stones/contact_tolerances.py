@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.planar import widths
 from churchpipe.model.arguments import finite
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -109,7 +110,7 @@ def limits_of(
     hairline = min(HAIRLINE * typical, widest)
     gap = _proposed(telling.opening, TOUCHING, hairline, widest) if contact_gap is None else contact_gap
     if contact_gap is None:
-        gap = max(gap, min(2.0 * ragged, hairline))
+        gap = max(gap, min(2.0 * ragged, hairline), _hairlines(found, hairline, NOISIEST * typical))
     near = telling[telling.opening <= gap + TOUCHING]
     angle = contact_angle or max(_proposed(near.angle, 1e-5, LEAST_ANGLE, MOST_ANGLE), LEAST_ANGLE)
     given = {"contact_gap": contact_gap, "contact_angle": contact_angle, "overlap": overlap}
@@ -128,6 +129,15 @@ def limits_of(
         thickness=thickness,
         typical=typical,
     )
+
+
+def _hairlines(found: Overlaps, hairline: float, narrowest: float) -> float:
+    """Return the widest gap up to a hairline, m, of pairs that are parallel and share more than a strip such as corners that are
+    displaced make, m, however little of their faces it is.
+    """
+    parallel = (found.angle <= LEAST_ANGLE) & (found.penetration <= TOUCHING) & (found.middle - found.slack <= hairline)
+    opening = found.opening[parallel & (found.opening <= hairline) & (widths(found.polygon) > narrowest)]
+    return float(opening.max(initial=0.0))
 
 
 def _proposed(values: FloatArray, least: float, sure: float, most: float) -> float:

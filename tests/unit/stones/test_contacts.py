@@ -204,6 +204,16 @@ def test_beds_open_by_rounding_are_joints() -> None:
     assert len(find_contacts(stones).blocks) == 2
 
 
+def test_a_hairline_over_a_small_part_of_a_bed_is_closed() -> None:
+    # The stone on the right bears on its neighbour, and by a twentieth of a face on the stone .05 mm below it.
+    rounding = 5e-5
+    below = box((0, 2), (0, 1), (0, 1)), box((2.05, 4), (0, 1), (0, 1 + rounding))
+    stones = on_ground(*below, box((0, 1.9), (0, 1), (1, 2)), box((1.9, 4), (0, 1), (1 + rounding, 2)))
+    found = find_contacts(stones)
+    assert found.blocks.tolist() == [[0, 1], [0, 2], [1, 3], [1, 4], [2, 4], [3, 4]]
+    assert found.area[3] == pytest.approx(0.1)
+
+
 def test_one_bed_that_leans_keeps_its_joints() -> None:
     stones = on_ground(box((0, 1), (0, 1), (0, 1)), prism([(0, 1), (1, 1 + math.tan(math.radians(0.3))), (1, 2), (0, 2)], 1.0))
     found = find_contacts(stones)
