@@ -21,10 +21,10 @@ app = typer.Typer(
 )
 
 
-def leave_pipe() -> NoReturn:
+def leave_pipe(code: int = 0) -> NoReturn:
     """End well where the reader of a pipe (head, less) has left: it has read what it wanted."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    raise SystemExit(0)
+    raise SystemExit(code)
 
 
 class _Results(Console):

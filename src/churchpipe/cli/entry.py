@@ -24,6 +24,11 @@ def main() -> NoReturn:
         raise SystemExit(USAGE if isinstance(error, UsageError) else FINDINGS) from None
     except BrokenPipeError:
         leave_pipe()
+    except SystemExit as leaving:
+        # Help and what is wrong with the usage are printed by Typer, which leaves as if a closed pipe were an error.
+        if isinstance(pipe := leaving.__context__, BrokenPipeError):
+            leave_pipe(getattr(pipe.__context__, "exit_code", 0))
+        raise
     except OSError as error:
         place = f"{error.filename}: " if error.filename else "A file cannot be written: "
         problem = error.strerror or str(error)

@@ -997,3 +997,13 @@ def test_a_reader_that_has_left_is_no_error(bad: bool, tmp_path: Path) -> None:
         said = process.stderr.read()
     assert (process.returncode, "no results" in said) == ((1, True) if bad else (0, False))
     assert "Traceback" not in said
+
+
+@pytest.mark.parametrize(("command", "code"), [("--help", 0), ("run --help", 0), ("run --bogus", 2)])
+def test_a_reader_of_the_help_may_leave(command: str, code: int) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-m", "churchpipe", *command.split()], stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    ) as process:
+        assert process.stdout
+        process.stdout.close()
+    assert process.returncode == code
