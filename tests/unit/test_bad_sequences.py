@@ -33,7 +33,9 @@ def report(results: list[Any]) -> None:
 
 
 def parameter(**numbers: Any) -> cp.SampledParameter:
-    return cp.SampledParameter(("width",), **({"distribution": "normal", "mean": 0.5, "standard_deviation": 0.1} | numbers))
+    return cp.SampledParameter(
+        **({"key": ("width",), "distribution": "normal", "mean": 0.5, "standard_deviation": 0.1} | numbers)
+    )
 
 
 def tie(**changed: Any) -> cp.Tie:
@@ -41,6 +43,8 @@ def tie(**changed: Any) -> cp.Tie:
 
 
 CALLS: list[tuple[Callable[[], Any], str]] = [
+    (lambda: parameter(key="width"), r"parameter: key: wrong kind; found 'width'; expected a list of str"),
+    (lambda: parameter(key=()), r"parameter: key: nothing varies; expected a key of the case, or several"),
     (lambda: parameter(distribution="nromal"), r"parameter: distribution: unknown value; found nromal; expected \"normal\" or"),
     (lambda: parameter(distribution=None), r"parameter: distribution: unknown value; found None"),
     (lambda: parameter(mean="0.5"), r"parameter: mean: not a number; found '0\.5'"),
@@ -64,6 +68,8 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
     (lambda: cp.minimum_thickness(column, cast("Any", 0.1), cast("Any", None)), r"minimum_thickness: high: not a number"),
     (lambda: tie(ultimate=None), r"tie t: ultimate elongation: not a number; found None"),
     (lambda: tie(ultimate=np.nan), r"tie t: ultimate elongation: out of range; found nan"),
+    (lambda: tie(governs=3), r"tie t: governs: not a text; found 3"),
+    (lambda: tie(anchors=()), r"tie t: anchors: not two anchors; found 0; expected one at each end"),
     (lambda: tie(anchors=3), r"tie t: anchors: wrong kind; found 3; expected a list of Anchor"),
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, ties=cast("Any", np.array(0.5))), r"ties: wrong kind; found ndarray"),
     (lambda: cp.limit_analysis(STONES, CONTACTS, PUSH, flow=cast("Any", np.ones(2))), r"flow: unknown value; found ndarray"),
@@ -75,6 +81,14 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
     ),
     (lambda: cp.with_fill(PUSH, STONES, cast("Any", 3), 1.0, 1e4), r"with_fill: panels: wrong kind; found 3"),
     (lambda: cp.place_loads(STONES, cast("Any", np.array(0.5))), r"place_loads: loads: not a list; found ndarray"),
+    (lambda: cp.Buttress("w", (1.0,), "+x", 0.5, cast("Any", None)), r"buttress of w: depth: not a number; found None"),
+    (lambda: cp.Buttress("w", (1.0,), "+x", 0.5, 0.5, name=cast("Any", 3)), r"buttress of w: name: not a text; found 3"),
+    (lambda: cp.RingBeam(("w",), cast("Any", None)), r"ring beam w: height: not a number; found None"),
+    (lambda: cp.RingBeam(("w",), 0.3, name=cast("Any", np.ones(2))), r"ring beam: name: not a text; found ndarray"),
+    (lambda: cp.RingBeam(("w",), 0.3, material=cast("Any", None)), r"ring beam: material: not a text; found None"),
+    (lambda: cp.Fill(("v",), 1e4, 1.0, name=cast("Any", np.ones(2))), r"fill: name: not a text; found ndarray"),
+    (lambda: cp.LineLoad("w", dead=1e3, eccentricity=cast("Any", np.ones(2))), r"line load w: eccentricity: not a number"),
+    (lambda: cp.PointLoad("w", 1.0, dead=1e3, eccentricity=cast("Any", np.ones(2))), r"point load w: eccentricity: not a number"),
     (lambda: cp.Buttress("w", [1.0], cast("Any", []), 0.5, 0.5), r"buttress of w: toward: no side; found \[\]; expected \+x"),
     (lambda: cp.save(STONES, cast("Any", None)), r"save: path: not a path; found None"),
     (lambda: cp.thrust_line(STONES, CONTACTS, FORCES, cast("Any", 3)), r"panels: wrong kind; found 3; expected a list of str"),

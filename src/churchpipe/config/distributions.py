@@ -10,8 +10,8 @@ from pydantic import BeforeValidator, Field
 
 from churchpipe.config.tables import listed as listed_keys
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import finite, listed, one_of, whole
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arguments import finite, listed, one_of, text, whole
+from churchpipe.model.arrays import FloatArray, store
 from churchpipe.model.quantities import Quantity
 
 Method = Literal["sobol", "latin-hypercube"]
@@ -42,7 +42,7 @@ class SampledParameter:
 
     Raises
     ------
-    InputError: numbers that the distribution needs or has not, or that contradict each other.
+    InputError: no key, numbers that the distribution needs or has not, or that contradict each other.
     """
 
     key: _Keys
@@ -55,6 +55,9 @@ class SampledParameter:
     high: Annotated[float | None, Quantity(), "No value is above."] = None
 
     def __post_init__(self) -> None:
+        store(self, key=tuple(text("parameter: key", key) for key in listed("parameter: key", self.key, str)))
+        if not self.key:
+            raise InputError("parameter: key", "nothing varies", expected="a key of the case, or several")
         one_of("parameter: distribution", self.distribution, *get_args(Kind))
         for name in ("mean", "standard_deviation", "low", "high"):
             if getattr(self, name) is not None:

@@ -101,6 +101,18 @@ def text(where: str, value: object) -> str:
     return value
 
 
+def text_or_empty(where: str, value: object) -> str:
+    """Return a value that is a text, which may be empty.
+
+    Raises
+    ------
+    InputError: anything else.
+    """
+    if not isinstance(value, str):
+        raise InputError(where, "not a text", found=describe(value), expected="a text")
+    return value
+
+
 def one_of(where: str, value: object, *choices: str) -> None:
     """Raise InputError unless the value is one of the choices."""
     if not isinstance(value, str) or value not in choices:

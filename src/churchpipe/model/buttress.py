@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, cast
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import positive, text
+from churchpipe.model.arguments import positive, text, text_or_empty
 from churchpipe.model.arrays import flags, floats, store
 from churchpipe.model.carried import FROM_ITS_END, TOWARD, Metres
 from churchpipe.model.doubts import doubt_fields
@@ -43,7 +43,9 @@ class Buttress:
         if not isinstance(cast("object", self.toward), str) or self.toward not in TOWARD:
             raise InputError(f"{where}: toward", "no side", found=self.toward, expected=", ".join(TOWARD))
         for key in ("width", "depth", "height"):
-            if getattr(self, key) is not None:
+            if key != "height" or self.height is not None:
                 positive(f"{where}: {key}", getattr(self, key))
+        for key in ("name", "material"):
+            text_or_empty(f"{where}: {key}", getattr(self, key))
         store(self, along=along, bonded=bool(flags(f"{where}: bonded", self.bonded, ())))
         doubt_fields(self)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_order, describe, finite, listed, text
+from churchpipe.model.arguments import check_order, finite, listed, text, text_or_empty
 from churchpipe.model.arrays import FloatArray, ReadOnly, floats, store
 from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual, in_range
@@ -93,7 +93,8 @@ class LineLoad(ReadOnly):
         name: str = "",
     ) -> None:
         where = _named(self, "line load", name, wall)
-        _on_wall_or_at(where, "between", wall, between, begin=begin, end=end, height=height, eccentricity=eccentricity or None)
+        aside = finite(f"{where}: eccentricity", eccentricity) or None
+        _on_wall_or_at(where, "between", wall, between, begin=begin, end=end, height=height, eccentricity=aside)
         check_order(where, begin, end)
         store(self, wall=wall, between=None if between is None else _points(floats(f"{where}: between", between, (2, 3))))
         _store_numbers(self, where, begin=begin, end=end, height=height)
@@ -171,7 +172,8 @@ class PointLoad(ReadOnly):
         name: str = "",
     ) -> None:
         where = _named(self, "point load", name, wall)
-        _on_wall_or_at(where, "at", wall, at, along=along, height=height, eccentricity=eccentricity or None)
+        aside = finite(f"{where}: eccentricity", eccentricity) or None
+        _on_wall_or_at(where, "at", wall, at, along=along, height=height, eccentricity=aside)
         if wall is not None and along is None:
             raise InputError(where, "no place on the wall", expected="along")
         store(self, wall=wall, at=None if at is None else tuple(floats(f"{where}: at", at, (3,)).tolist()))
@@ -334,13 +336,11 @@ class Pressure(ReadOnly):
 Carried = LineLoad | PointLoad | AreaLoad | Pressure
 
 
-def _named(load: object, kind: str, name: object, wall: str | None) -> str:
+def _named(load: object, kind: str, name: str, wall: str | None) -> str:
     """Store the name of a load and return how messages call it."""
     if wall is not None:
         text(f"{kind}: wall", wall)
-    if not isinstance(name, str):
-        raise InputError(f"{kind}: name", "not a text", found=describe(name), expected="a text")
-    store(load, name=name)
+    store(load, name=text_or_empty(f"{kind}: name", name))
     return _called(kind, name, wall)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import listed, text
+from churchpipe.model.arguments import listed, text, text_or_empty
 from churchpipe.model.arrays import store
 from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import Quantity, Usual, check_ranges
@@ -36,7 +36,7 @@ class Fill:
 
     def __post_init__(self) -> None:
         on = tuple(text("fill: on", name) for name in listed("fill: on", self.on, str))
-        store(self, on=on)
+        store(self, on=on, name=text_or_empty("fill: name", self.name))
         if not on:
             raise InputError(f"{self.called}: on", "nothing that it lies on", expected="names of vaults or walls")
         check_ranges(self, f"{self.called}: ")

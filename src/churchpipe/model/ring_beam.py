@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import finite, listed, positive, text
+from churchpipe.model.arguments import finite, listed, positive, text, text_or_empty
 from churchpipe.model.arrays import flags, store
 from churchpipe.model.carried import FROM_ITS_END, Metres
 from churchpipe.model.doubts import doubt_fields
@@ -38,12 +38,14 @@ class RingBeam:
 
     def __post_init__(self) -> None:
         walls = tuple(text("ring beam: walls", wall) for wall in listed("ring beam: walls", self.walls, str))
+        for key in ("name", "material"):
+            text_or_empty(f"ring beam: {key}", getattr(self, key))
         where = f"ring beam {self.name or ' '.join(walls)}".strip()
         if not walls or len(set(walls)) < len(walls):
             raise InputError(f"{where}: walls", "not walls to lie on", found=", ".join(walls), expected="each named once")
-        for key in ("height", "width"):
-            if getattr(self, key) is not None:
-                positive(f"{where}: {key}", getattr(self, key))
+        positive(f"{where}: height", self.height)
+        if self.width is not None:
+            positive(f"{where}: width", self.width)
         begin, end = (None if one is None else finite(f"{where}: ends", one) for one in (self.begin, self.end))
         if begin is not None and end is not None and not begin < end:
             raise InputError(where, "no length", found=f"from {begin:g} m to {end:g} m", expected="begin < end")

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, finite, listed, text
+from churchpipe.model.arguments import check_kind, finite, listed, text, text_or_empty
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray, ReadOnly, floats, indices, rows_of, store, store_arrays
 
 
@@ -129,10 +129,12 @@ class Tie(ReadOnly):
         # Infinite: it never breaks.
         if not (isinstance(ultimate, float) and ultimate == np.inf) and not finite(f"{where}: ultimate elongation", ultimate) > 0:
             raise InputError(f"{where}: ultimate elongation", "out of range", found=ultimate, expected="> 0 m")
-        if anchors is not None:
-            listed(f"{where}: anchors", anchors, Anchor)
-        store(self, name=name, start=first, end=second, stones=pair, strength=float(strength), anchors=anchors)
-        store(self, stiffness=stiffness, pretension=float(pretension), ultimate=float(ultimate), governs=governs)
+        held = None if anchors is None else tuple(listed(f"{where}: anchors", anchors, Anchor))
+        if held is not None and len(held) != 2:
+            raise InputError(f"{where}: anchors", "not two anchors", found=len(held), expected="one at each end")
+        store(self, name=name, start=first, end=second, stones=pair, strength=float(strength), anchors=held)
+        store(self, stiffness=stiffness, pretension=float(pretension), ultimate=float(ultimate))
+        store(self, governs=text_or_empty(f"{where}: governs", governs))
         check_kind(f"{where}: seated", seated, bool)
         store(self, seated=seated)
 
