@@ -60,4 +60,5 @@ def test_variants_stand_beside_the_building_as_it_is(tmp_path: Path) -> None:
     assert checks[0] / checks[1] == pytest.approx(2 / 1.5)
     rows = list(csv.DictReader((run / "table.csv").open()))
     assert [row["variant"] for row in rows] == ["", "wet", "thicker", "checked with q = 1.5"]
+    assert [row["name"] for row in rows] == [record["name"] for record in summary["analyses"]]
     assert [column.header for column in results_table(as_read(Summary, summary)).columns][:2] == ["variant", "load"]

@@ -11,13 +11,16 @@ from churchpipe.io.records import Analysis
 from churchpipe.model.quantities import as_written
 
 COLUMNS = (
+    "name",
     "variant",
     "model",
     "flow",
     "method",
     "planes",
+    "element_size_mm",
     "load",
     "friction",
+    "cohesion_kPa",
     "contact_model",
     "compressive_strength_MPa",
     "load_factor",
@@ -38,15 +41,17 @@ COLUMNS = (
     "iterations",
     "seconds",
 )
-# How a cell begins that spreadsheets compute; "+x" and "-y", the loads along the axes, stay as they are.
-_FORMULA = re.compile(r"(?![+-][xyz]\Z)[=+\-@\t\r]")
+# How a cell begins that spreadsheets compute; "+x" and "-y", the loads along the axes, and the names of their analyses, such as
+# "-y_limit", stay as they are.
+_FORMULA = re.compile(r"(?![+-][xyz](?:_[\w.,=+-]*)?\Z)[=+\-@\t\r]")
 
 
 def write_table(path: str | Path, analyses: Sequence[Analysis]) -> None:
     """Write analyses, by the keys of summary.json, as CSV, one row each: first what was swept, then `COLUMNS`; `zeta_e` and its
     neighbours from the check.
 
-    A text that a spreadsheet would take for a formula stands behind an apostrophe; names of axes ("-y") are none.
+    A text that a spreadsheet would take for a formula stands behind an apostrophe; names of axes ("-y") are none, nor
+    those of analyses that begin with them ("-y_limit").
     """
     swept = list(dict.fromkeys(key for analysis in analyses for key in analysis.swept))
     with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:

@@ -1,5 +1,6 @@
 """Records of analyses: checked, the same when read again, and in units of a person in summary.json."""
 
+import csv
 import json
 import math
 from dataclasses import replace
@@ -15,7 +16,7 @@ from churchpipe.io.movement_record import widest_cracks
 from churchpipe.io.recording import shell_record_of
 from churchpipe.io.records import Analysis, read_record, write_record
 from churchpipe.io.summary import read_summary
-from churchpipe.io.tables import COLUMNS
+from churchpipe.io.tables import COLUMNS, write_table
 from churchpipe.io.tie_records import Gain, TieCandidate, TieForce
 from churchpipe.mechanism import Part
 from churchpipe.model.checks import SafetyCheck
@@ -166,3 +167,16 @@ def test_ground_is_no_wall_whatever_its_name() -> None:
     opening = np.where((contacts.blocks == 1).any(axis=1), 2e-3, 1e-3)
     found = widest_cracks(stones, contacts, opening, 2 * opening)
     assert [(crack.wall, crack.opening, crack.slip) for crack in found] == [("wall", 2e-3, 4e-3), ("", 1e-3, 2e-3)]
+
+
+def test_the_table_tells_analyses_apart(tmp_path: Path) -> None:
+    """By their names, which are the same in summary.json, and by the cohesion and the size of the elements."""
+    shell = analysis(name="-y_limit", model="homogenised-shell", method="limit", cohesion_kPa=50.0, element_size_mm=300.0)
+    named = analysis(name="=2+5_associative", flow="associative", cohesion_kPa={"tuff": 20.0, "brick": 50.0})
+    write_table(tmp_path / "table.csv", [shell, named])
+    with (tmp_path / "table.csv").open(encoding="utf-8") as file:
+        first, second = csv.DictReader(file)
+    assert (first["name"], first["cohesion_kPa"], first["element_size_mm"]) == ("-y_limit", "50.0", "300.0")
+    assert second["name"] == "'=2+5_associative"
+    assert second["cohesion_kPa"] == "{'tuff': 20.0, 'brick': 50.0}"
+    assert second["element_size_mm"] == ""
