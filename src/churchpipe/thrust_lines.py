@@ -8,7 +8,7 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.geometry.clusters import clusters
 from churchpipe.model.arguments import check_kind, listed, positive
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, floats
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, floats, unit_vector
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, check_contacts_of
 
@@ -128,16 +128,13 @@ def thrust_line(
     Raises
     ------
     InputError
-        Forces of other joints, names that no stone has, a strip without joints between courses.
+        Forces of other joints, names that no stone has, no direction, a strip without joints between courses.
     """
     force, inside = _checked(stones, contacts, forces, panels)
     positive("thrust_line: width", width)
-    along = np.append(np.asarray(direction, dtype=np.float64), 0.0)
-    if not np.linalg.norm(along):
-        raise InputError("thrust_line: direction", "no direction", found=direction, expected="x and y, not both 0")
-    along /= np.linalg.norm(along)
+    along = np.append(unit_vector("thrust_line: direction", direction, 2), 0.0)
     middle = _means(contacts, contacts.point)
-    origin = np.append(np.asarray(through, dtype=np.float64), 0.0)
+    origin = np.append(floats("thrust_line: through", through, (2,)), 0.0)
     share = _share_within(contacts, (contacts.point - origin) @ np.cross([0.0, 0.0, 1.0], along), width)
     course = np.where(inside, stones.course, -1)[contacts.blocks]
     beds = inside[contacts.blocks].any(axis=1) & (course[:, 0] != course[:, 1]) & (share > 0)

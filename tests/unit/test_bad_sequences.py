@@ -42,6 +42,22 @@ def tie(**changed: Any) -> cp.Tie:
     return cp.Tie("t", (0, 0, 1), (1, 0, 1), strength=1e3, **changed)
 
 
+def line(**changed: Any) -> cp.ThrustLine:
+    return cp.thrust_line(STONES, CONTACTS, FORCES, "", **changed)
+
+
+def ranked(**options: Any) -> tuple[cp.RankedTie, ...]:
+    rod = cp.Tie("rod", (0.25, 0.5, 0.2), (0.25, 0.5, 1.2), (0, 2), strength=1e3)
+    return cp.rank_ties(cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6), [rod], STONES, CONTACTS, PUSH, 0.6, **options)
+
+
+def crushed(stones: cp.Assemblage, **options: Any) -> cp.LimitState:
+    return cp.limit_analysis(stones, cp.find_contacts(stones), PUSH, 0.6, compressive_strength=1e6, **options)
+
+
+PAIR = [box((0, 1), (0, 1), (0, 1)), box((0, 1), (0, 1), (2, 3))]
+LOOSE, APART, GROUND = (cp.Assemblage.from_polyhedra(PAIR, 2e4, fixed=held) for held in ([], [0], [0, 1]))
+AT = cp.PointLoad(at=(0.5, 0.5, 3.0), dead=1e3)
 CALLS: list[tuple[Callable[[], Any], str]] = [
     (lambda: parameter(key="width"), r"parameter: key: wrong kind; found 'width'; expected a list of str"),
     (lambda: parameter(key=()), r"parameter: key: nothing varies; expected a key of the case, or several"),
@@ -51,7 +67,8 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
     (lambda: parameter(standard_deviation=np.nan), r"parameter: standard_deviation: out of range; found nan"),
     (lambda: parameter(low=-np.inf), r"parameter: low: out of range; found -inf; expected a finite number"),
     (lambda: cp.sample_points([WIDTH], 4, method=cast("Any", "latin")), r"sample_points: method: unknown value; found latin"),
-    (lambda: cp.sample_points([WIDTH], -1), r"sample_points: number: out of range; found -1; expected a whole number >= 1"),
+    (lambda: cp.sample_points([WIDTH], -1), r"sample_points: number: out of range; found -1; expected a whole number from 1 to"),
+    (lambda: cp.sample_points([WIDTH], 10**30), r"sample_points: number: out of range; .* a whole number from 1 to 1000000"),
     (lambda: cp.sample_points([WIDTH], cast("Any", "4")), r"sample_points: number: not a number; found '4'"),
     (lambda: cp.sample_points([WIDTH], 4, seed=-1), r"sample_points: seed: out of range; found -1"),
     (lambda: cp.sample_points([], 4), r"sample_points: parameters: nothing varies"),
@@ -91,6 +108,18 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
     (lambda: cp.PointLoad("w", 1.0, dead=1e3, eccentricity=cast("Any", np.ones(2))), r"point load w: eccentricity: not a number"),
     (lambda: cp.Buttress("w", [1.0], cast("Any", []), 0.5, 0.5), r"buttress of w: toward: no side; found \[\]; expected \+x"),
     (lambda: cp.save(STONES, cast("Any", None)), r"save: path: not a path; found None"),
+    (lambda: line(direction="x"), r"thrust_line: direction: not numbers; found 'x'"),
+    (lambda: line(direction=(np.nan, 1)), r"thrust_line: direction: not a finite number at index \[0\]"),
+    (lambda: line(direction=(1, 0, 0)), r"thrust_line: direction: wrong shape; found \(3,\); expected \(2\)"),
+    (lambda: line(direction=(0, 0)), r"thrust_line: direction: no direction; found \[0\.0, 0\.0\]"),
+    (lambda: line(through=None), r"thrust_line: through: not numbers; found None"),
+    (lambda: line(through=(0, np.nan)), r"thrust_line: through: not a finite number at index \[1\]"),
+    (lambda: ranked(ties=None), r"rank_ties: ties: wrong kind; found None; expected a list of Tie"),
+    (lambda: crushed(STONES, crushing_parts=10**9), r"crushing_parts: out of range; .* a whole number from 2 to 64"),
+    (lambda: crushed(APART), r"stones: no path of contacts to a support; found B1"),
+    (lambda: cp.joint_strength(GROUND, cp.find_contacts(GROUND), []), r"joint_strength: stones: every stone is fixed"),
+    (lambda: cp.place_loads(GROUND, [AT]), r"point load: no stone under it"),
+    (lambda: cp.settlement_analysis(LOOSE, cp.find_contacts(LOOSE), [0]), r"support: a stone that is free; .* there are none"),
     (lambda: cp.thrust_line(STONES, CONTACTS, FORCES, cast("Any", 3)), r"panels: wrong kind; found 3; expected a list of str"),
     (lambda: report(cast("Any", 3)), r"write_report: results: not a list; found 3; expected a list of pairs"),
     (lambda: report([cast("Any", (PUSH,))]), r"write_report: results\[0\]: not a pair; found 1 entry; expected a load case and"),
@@ -117,3 +146,17 @@ def test_the_steps_of_other_stones_are_not_gone_on_from() -> None:
         curve(resume=begun)
     again = curve(other, cp.find_contacts(other), resume=begun, steps=4)
     assert len(again.load_factor) == 4
+
+
+def test_whole_numbers_may_be_floats() -> None:
+    """As they come from a column of a table."""
+    np.testing.assert_array_equal(cp.sample_points([WIDTH], 4, seed=cast("Any", 1.0)), cp.sample_points([WIDTH], 4, seed=1))
+    assert len(ranked(verify=1.0)) == 1
+    assert crushed(STONES, crushing_parts=np.int64(8)).load_factor == crushed(STONES).load_factor
+
+
+@pytest.mark.parametrize("length", [1e-300, 1.0, 1e200])
+def test_the_length_of_the_direction_of_a_support_changes_nothing(length: float) -> None:
+    moved = cp.settlement_analysis(STONES, CONTACTS, [0], (0, 0, -length), friction=0.6)
+    # What stands on it: two stones .5 m and 1 m high, .5 m2 in plan.
+    assert moved.reaction == pytest.approx(1.5 * 0.5 * 2e4, rel=1e-6)

@@ -12,7 +12,7 @@ from churchpipe.model.contacts import GAP, OVERLAP
 from churchpipe.model.names import CONTACT_MODEL, STRENGTH, ContactModel, Flow, Planes
 from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Usual, Whole
 from churchpipe.model.stone_path import HALO
-from churchpipe.rigid_blocks.crushing import PARTS
+from churchpipe.rigid_blocks.crushing import MOST_PARTS, PARTS
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 
 Method = Literal["limit", "pushover"]
@@ -82,7 +82,7 @@ class RigidSettings:
     ] = (CONTACT_MODEL,)
     crushing_parts: Annotated[
         int,
-        Quantity("", 2, high=64),
+        Quantity("", 2, high=MOST_PARTS),
         AfterValidator(_even),
         "Parts along each side of a joint that crushes and is no parallelogram, an even number.",
     ] = PARTS

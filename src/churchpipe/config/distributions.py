@@ -12,7 +12,7 @@ from churchpipe.config.tables import listed as listed_keys
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite, listed, one_of, text, whole
 from churchpipe.model.arrays import FloatArray, store
-from churchpipe.model.quantities import Quantity
+from churchpipe.model.quantities import MOST_COUNTED, Quantity
 
 Method = Literal["sobol", "latin-hypercube"]
 Kind = Literal["normal", "lognormal", "uniform", "beta"]
@@ -152,10 +152,9 @@ def sample_points(parameters: Sequence[SampledParameter], number: int, *, seed: 
     parameters = listed("sample_points: parameters", parameters, SampledParameter)
     if not parameters:
         raise InputError("sample_points: parameters", "nothing varies", expected="one SampledParameter or more")
-    whole("sample_points: number", number, least=1)
-    whole("sample_points: seed", seed, least=0)
+    number = whole("sample_points: number", number, least=1, most=MOST_COUNTED)
+    seed = whole("sample_points: seed", seed, least=0)
     one_of("sample_points: method", method, *get_args(Method))
-    number = int(number)
     if method == "sobol":
         sequence = qmc.Sobol(len(parameters), rng=np.random.default_rng(seed))
         levels = sequence.random_base2(max(number - 1, 1).bit_length())

@@ -90,8 +90,7 @@ def _fitted(where: str, value: Any, hint: Any, quantity: Quantity | None = None)
 def _number(where: str, value: Any, kind: type, quantity: Quantity) -> float | int:
     """Return a number within the range that its quantity declares."""
     if kind is int:
-        whole(where, value, least=int(quantity.low or 0), most=None if quantity.high is None else int(quantity.high))
-        return int(value)
+        return whole(where, value, least=int(quantity.low or 0), most=None if quantity.high is None else int(quantity.high))
     if quantity.low is not None:
         positive(where, value, allow_zero=not quantity.above)
     number = finite(where, value)

@@ -17,13 +17,13 @@ def check_path(where: str, stones: Assemblage, step: float | None, steps: int, f
     InputError: values out of range, a step longer than the structure, as in other units.
     """
     whole(f"{where}: steps", steps, least=1, most=MOST_COUNTED)
-    whole(f"{where}: halo", halo, least=0)
+    wide = whole(f"{where}: halo", halo, least=0)
     for name, value in (("step", step), ("furthest", furthest)):
         if value is not None:
             positive(f"{where}: {name}", value)
     if step is not None:
         check_step(f"{where}: step", stones, step)
-    return min(int(halo), stones.count)
+    return min(wide, stones.count)
 
 
 def check_step(where: str, stones: Assemblage, step: float) -> None:

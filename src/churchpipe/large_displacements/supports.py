@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.large_displacements.poses import Poses
-from churchpipe.model.arrays import FloatArray, IntArray, array_of, floats, indices
+from churchpipe.model.arrays import FloatArray, IntArray, array_of, floats, indices, unit_vector
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 
@@ -55,17 +55,12 @@ def support_movement(
             where,
             "a stone that is free",
             found=f"{stones.block_id[free[0]]} (stone {free[0]})",
-            expected=f"fixed stones: {', '.join(map(str, np.flatnonzero(stones.fixed)[:8]))}",
+            expected=f"fixed stones: {', '.join(map(str, np.flatnonzero(stones.fixed)[:8])) or 'there are none'}",
             remedy="A settlement moves what the structure stands on.",
         )
     touches = np.isin(contacts.blocks, chosen).any(axis=1) & ~stones.fixed[contacts.blocks].all(axis=1)
     if not touches.any():
         raise InputError(where, "nothing stands on it", found=", ".join(stones.block_id[chosen]), expected="a support in contact")
-    vector = floats("settlement_analysis: direction", direction, (3,))
-    length = float(np.linalg.norm(vector))
-    if length == 0:
-        raise InputError(
-            "settlement_analysis: direction", "no direction", found=vector.tolist(), expected="a vector of length > 0"
-        )
+    along = unit_vector("settlement_analysis: direction", direction)
     point = None if about is None else floats("settlement_analysis: about", about, (3,))
-    return SupportMovement(chosen, vector / length, point)
+    return SupportMovement(chosen, along, point)

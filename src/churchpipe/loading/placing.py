@@ -122,7 +122,8 @@ def _line(stones: Assemblage, load: LineLoad) -> list[_Part]:
 
 
 def _touches_tops(stones: Assemblage, height: float) -> bool:
-    return bool(height >= stones.points[np.repeat(~stones.fixed, np.diff(stones.block_point_ptr)), 2].max() - CLOSE)
+    tops = stones.points[np.repeat(~stones.fixed, np.diff(stones.block_point_ptr)), 2]
+    return bool(height >= tops.max(initial=-np.inf) - CLOSE)
 
 
 def _along(

@@ -130,12 +130,18 @@ def positive(where: str, value: object, *, allow_zero: bool = False) -> None:
         raise InputError(where, "lost to rounding", found=value, expected=f">= {_LEAST:g}")
 
 
-def whole(where: str, value: object, *, least: int, most: int | None = None) -> None:
-    """Raise InputError unless the value is a whole number not below `least`, nor above `most`."""
+def whole(where: str, value: object, *, least: int, most: int | None = None) -> int:
+    """Return a whole number that is not below `least`, nor above `most`.
+
+    Raises
+    ------
+    InputError: no such number.
+    """
     number = finite(where, value)
     if number != int(number) or number < least or (most is not None and number > most):
         limit = f">= {least}" if most is None else f"from {least} to {most}"
         raise InputError(where, "out of range", found=value, expected=f"a whole number {limit}")
+    return int(cast("Any", value))
 
 
 def describe(value: object) -> str:

@@ -131,6 +131,16 @@ def names(name: str, value: npt.ArrayLike, shape: Sequence[int | None]) -> NameA
     return _frozen(array, value)
 
 
+def unit_vector(name: str, value: npt.ArrayLike, length: int = 3) -> FloatArray:
+    """Return a vector of so many components, of whatever length but zero, as a read-only one of length one."""
+    vector = floats(name, value, (length,))
+    # Scaled first: squares of very large or small components would overflow or vanish.
+    scaled = vector / (np.abs(vector).max() or 1.0)
+    if not scaled.any():
+        raise InputError(name, "no direction", found=vector.tolist(), expected="a vector of length > 0")
+    return _frozen(scaled / np.linalg.norm(scaled), [])
+
+
 def one_each(name: str, array: npt.NDArray[Any], count: int) -> npt.NDArray[Any]:
     """Return a value for each of `count` items: the array's own, or its only one for all."""
     if array.shape not in ((), (1,), (count,)):

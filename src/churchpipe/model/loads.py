@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import listed, one_of, text
-from churchpipe.model.arrays import FloatArray, NameArray, floats, store
+from churchpipe.model.arrays import FloatArray, NameArray, floats, store, unit_vector
 from churchpipe.model.card import Shown
 from churchpipe.model.quantities import as_written, declared
 
@@ -62,7 +62,7 @@ class LoadCase(Shown):
             raise InputError(
                 "LoadCase.direction", "a text", found=repr(direction), expected='a vector, such as [1, 0, 0] for "+x"'
             )
-        unit = np.zeros(3) if direction is None else _unit(direction)
+        unit = np.zeros(3) if direction is None else unit_vector("LoadCase.direction", direction)
         pushed = None if panels is None else tuple(listed("LoadCase.panels", panels, str))
         if pushed is not None and not pushed:
             raise InputError("LoadCase.panels", "nothing is pushed", expected="names of panels; left out, all are pushed")
@@ -137,16 +137,6 @@ def load_table(load: LoadCase, *, defaults: bool = True) -> dict[str, Any]:
     table = as_written(load, defaults=defaults)
     table["direction"] = load.direction.tolist()
     return {key: table[key] for key in load_keys() if key in table}
-
-
-def _unit(direction: npt.ArrayLike) -> FloatArray:
-    vector = floats("LoadCase.direction", direction, (3,))
-    # Scaled first: squares of very large or small components would overflow or vanish.
-    vector = vector / (np.abs(vector).max() or 1.0)
-    length = float(np.linalg.norm(vector))
-    if length == 0:
-        raise InputError("LoadCase.direction", "no direction", found=vector.tolist(), expected="a vector of length > 0")
-    return np.asarray(vector / length)
 
 
 def _named(name: object, direction: FloatArray) -> str:

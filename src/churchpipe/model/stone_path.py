@@ -144,8 +144,7 @@ class StonePath(ReadOnly):
 
     def first_steps(self, step: int, travel: FloatArray) -> Self:
         """Return the path up to a step, that included; travel (ns,): what `FallenStones.displacement` is measured by."""
-        whole(f"{type(self).__name__}.until: step", step, least=0, most=len(travel) - 1)
-        step = int(step)
+        step = whole(f"{type(self).__name__}.until: step", step, least=0, most=len(travel) - 1)
         values = {item.name: getattr(self, item.name) for item in fields(self)}
         kept: dict[str, Any] = {name: value[: step + 1] for name, value in values.items() if isinstance(value, np.ndarray)}
         fallen = tuple(part for part in self.fallen if part.left(travel) < step)

@@ -7,12 +7,14 @@ import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import whole
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
 from churchpipe.model.contacts import Contacts
 from churchpipe.rigid_blocks.polygons import JointPolygons, cross, joint_polygons
 
 # Parts along each side of a joint of four corners.
 PARTS = 8
+MOST_PARTS = 64
 # The i-th of k lines between the edge of a joint and its middle lies at the share (i / k)^GRADING of the way: parts at the edge,
 # where stones turn, are narrower.
 _GRADING = 1.5
@@ -56,10 +58,11 @@ def joint_parts(
 
     Raises
     ------
-    InputError: count not even and positive, or points that are not the corners of their interface in order.
+    InputError: count not even, not positive or too large, or points that are not the corners of their interface in order.
     """
-    if not isinstance(count, int) or count < 2 or count % 2:
-        raise InputError("limit_analysis: crushing_parts", "out of range", found=count, expected="2, 4, 6 ...")
+    count = whole("limit_analysis: crushing_parts", count, least=2, most=MOST_PARTS)
+    if count % 2:
+        raise InputError("limit_analysis: crushing_parts", "an odd number", found=count, expected="2, 4, 6 ...")
     polygons = joint_polygons(contacts)
     weights, area, _ = _quadrilaterals(polygons, count // 2, np.arange(len(polygons.corner)))
     share = contacts.area / np.abs(polygons.area)
@@ -81,8 +84,10 @@ def joint_parts(
         (0.5 * behind, polygons.before[corner]),
     )
     near = sum((sp.csr_matrix((value, (part, column)), shape=shape) for value, column in entries), sp.csr_matrix(shape))
-    every = sp.csr_matrix((1.0 / polygons.count[polygons.interface], (polygons.interface, np.arange(corners))))
-    far = sp.csr_matrix((mean, (part, polygons.interface[corner])), shape=(len(part), len(polygons.start))) @ every
+    joints = len(polygons.start)
+    each = 1.0 / polygons.count[polygons.interface]
+    every = sp.csr_matrix((each, (polygons.interface, np.arange(corners))), shape=(joints, corners))
+    far = sp.csr_matrix((mean, (part, polygons.interface[corner])), shape=(len(part), joints)) @ every
     shares = sp.csr_matrix(near + far)
     if chosen is None or chosen.all():
         divided = np.ones(len(inside), dtype=np.bool_)

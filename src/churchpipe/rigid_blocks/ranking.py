@@ -79,7 +79,7 @@ def rank_ties(
     check_kind("rank_ties: contacts", contacts, Contacts)
     check_kind("rank_ties: load", load, LoadCase)
     candidates = listed("rank_ties: candidates", candidates, Tie)
-    whole("rank_ties: verify", verify, least=0)
+    verify, ties = whole("rank_ties: verify", verify, least=0), listed("rank_ties: ties", ties, Tie)
     check_state_of("rank_ties", state, stones, contacts, load)
     if not np.isfinite(state.load_factor) or not np.isfinite(state.velocities).all():
         raise InputError("rank_ties: state", "no mechanism", found=state.status, expected="a state with a load factor")

@@ -155,7 +155,7 @@ def verify_gains(
             expected=f"{', '.join(walls.tolist())}; {len(contacts.area)} joints",
             remedy="Give the stones and contacts from which sensitivities made them.",
         )
-    whole("verify_gains: best", best, least=0)
+    best = whole("verify_gains: best", best, least=0)
     with_cohesion, with_weight = rates.with_cohesion.copy(), rates.with_weight.copy()
     for wall in np.argsort(-rates.cohesion, kind="stable")[:best].tolist():
         more = np.asarray(cohesion, dtype=np.float64) + COHESION_MORE * _share(stones, contacts, str(rates.panel[wall]))

@@ -125,6 +125,8 @@ def _materials_of(
     check_kind("joint_strength: contacts", contacts, Contacts)
     check_contacts_of(stones, contacts)
     used = np.unique(stones.material[~stones.fixed])
+    if not len(used):
+        raise InputError("joint_strength: stones", "every stone is fixed", expected="at least one free stone")
     known = by_name(listed("joint_strength: materials", materials, JointStrength))
     unknown = [str(name) for name in used if name not in known]
     if unknown:
