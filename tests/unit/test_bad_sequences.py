@@ -51,6 +51,11 @@ def ranked(**options: Any) -> tuple[cp.RankedTie, ...]:
     return cp.rank_ties(cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6), [rod], STONES, CONTACTS, PUSH, 0.6, **options)
 
 
+def verified(**options: Any) -> cp.Sensitivities:
+    rates = cp.sensitivities(cp.limit_analysis(STONES, CONTACTS, PUSH, 0.6), STONES, CONTACTS, PUSH)
+    return cp.verify_gains(rates, STONES, CONTACTS, PUSH, 0.6, **options)
+
+
 def crushed(stones: cp.Assemblage, **options: Any) -> cp.LimitState:
     return cp.limit_analysis(stones, cp.find_contacts(stones), PUSH, 0.6, compressive_strength=1e6, **options)
 
@@ -97,6 +102,16 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
         r"settlement_path: resume: wrong kind; found 3; expected a SettlementPath",
     ),
     (lambda: cp.with_fill(PUSH, STONES, cast("Any", 3), 1.0, 1e4), r"with_fill: panels: wrong kind; found 3"),
+    (lambda: cp.with_fill(PUSH, STONES, "", 2.0, 1e4, cast("Any", 3)), r"with_fill: contacts: wrong kind; found 3"),
+    (lambda: verified(cohesion="x"), r"cohesion: not numbers; found 'x'"),
+    (lambda: verified(cohesion=np.ones(7)), r"cohesion: wrong shape; found \(7,\)"),
+    (lambda: cp.check_soundness(STONES, CONTACTS, cast("Any", 3)), r"check_soundness: progress: not a function; found 3"),
+    (lambda: cp.write_obj(cast("Any", None), "a.obj"), r"write_obj: assemblage: wrong kind; found None; .* derive_blocks"),
+    (lambda: cp.write_obj(STONES, cast("Any", None)), r"write_obj: path: not a path; found None"),
+    (lambda: cp.write_obj(STONES, "a\0b.obj"), r"write_obj: path: not a path; found 'a\\x00b\.obj'"),
+    (lambda: cp.write_obj(STONES, "\ud800.obj"), r"write_obj: path: not a path; found '\\ud800\.obj'"),
+    (lambda: cp.write_obj(STONES, "."), r"write_obj: the file cannot be written; found a folder of this name"),
+    (lambda: cp.write_dxf(STONES, "a.dxf", units=cast("Any", np.ones(2))), r"units: not a unit drawings are written in"),
     (lambda: cp.place_loads(STONES, cast("Any", np.array(0.5))), r"place_loads: loads: not a list; found ndarray"),
     (lambda: cp.Buttress("w", (1.0,), "+x", 0.5, cast("Any", None)), r"buttress of w: depth: not a number; found None"),
     (lambda: cp.Buttress("w", (1.0,), "+x", 0.5, 0.5, name=cast("Any", 3)), r"buttress of w: name: not a text; found 3"),

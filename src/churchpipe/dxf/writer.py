@@ -4,7 +4,7 @@ import io
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 from ezdxf import filemanagement
@@ -14,7 +14,7 @@ from churchpipe.dxf.carried import Drawn, inserts_of
 from churchpipe.dxf.properties import encode_loads, encode_materials
 from churchpipe.dxf.recurrence import Recurrence, Shape, find_recurrence
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, listed, path_of
+from churchpipe.model.arguments import check_kind, describe, listed, path_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import LineLoad
@@ -64,8 +64,8 @@ def write_dxf(
     if path.suffix.lower() not in ("", ".dxf"):
         raise InputError("write_dxf: path", "not the name of a drawing", found=path.name, expected="a name that ends in .dxf")
     materials, loads = listed("write_dxf: materials", materials, Material), listed("write_dxf: loads", loads, LoadCase)
-    if units not in ("m", "mm"):
-        raise InputError("units", "not a unit drawings are written in", found=repr(units), expected='"m" or "mm"')
+    if not isinstance(cast("object", units), str) or units not in ("m", "mm"):
+        raise InputError("units", "not a unit drawings are written in", found=describe(units), expected='"m" or "mm"')
     _check_weights(assemblage, materials)
     names = [load.name for load in loads]
     if len(set(names)) != len(names):

@@ -3,10 +3,10 @@
 import re
 from collections.abc import Iterable
 from os import PathLike
-from pathlib import Path
 
 from churchpipe.io.atomic import named_by_caller, write_text
 from churchpipe.meshes.source import GROUND
+from churchpipe.model.arguments import check_kind, path_of
 from churchpipe.model.assemblage import Assemblage
 
 
@@ -23,7 +23,7 @@ def write_obj(assemblage: Assemblage, path: str | PathLike[str]) -> None:
     Raises
     ------
     InputError
-        The file cannot be written.
+        Something else than stones, no path, a file that cannot be written.
 
     Notes
     -----
@@ -31,6 +31,8 @@ def write_obj(assemblage: Assemblage, path: str | PathLike[str]) -> None:
     stone, a panel or a material whose name, or what follows a slash in it, begins like that of ground has its kind put before it
     and spaces for slashes, as in "stone ground-3".
     """
+    check_kind("write_obj: assemblage", assemblage, Assemblage, remedy="derive_blocks(building) makes one.")
+    path = path_of("write_obj: path", path)
     fixed = assemblage.fixed
     plain = [_word(name, "" if held else "stone") for name, held in zip(assemblage.block_id, fixed, strict=True)]
     panels = ["ground" if held else _word(name, "panel") for name, held in zip(assemblage.panel, fixed, strict=True)]
@@ -42,8 +44,8 @@ def write_obj(assemblage: Assemblage, path: str | PathLike[str]) -> None:
         lines += ["v " + " ".join(map(repr, point)) for point in points.tolist()]
         lines += ["f " + " ".join(str(node + before) for node in face) for face in faces]
         before += len(points)
-    with named_by_caller("write_obj", Path(path)):
-        write_text(Path(path), "\n".join(lines) + "\n")
+    with named_by_caller("write_obj", path):
+        write_text(path, "\n".join(lines) + "\n")
 
 
 def _word(name: str, kind: str) -> str:

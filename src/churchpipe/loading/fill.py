@@ -61,8 +61,10 @@ def with_fill(
     positive("with_fill: unit_weight", unit_weight)
     doubt_argument("with_fill: unit_weight", unit_weight, Fill, "unit_weight")
     check_kind("with_fill: body", body, Assemblage, ShellModel)
-    if contacts is not None and isinstance(body, Assemblage):
-        check_contacts_of(body, contacts)
+    if contacts is not None:
+        check_kind("with_fill: contacts", contacts, Contacts)
+        if isinstance(body, Assemblage):
+            check_contacts_of(body, contacts)
     names = (panels,) if isinstance(panels, str) else tuple(listed("with_fill: panels", panels, str))
     missing = sorted(set(names) - set(body.panel.tolist()))
     if missing:

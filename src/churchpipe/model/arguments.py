@@ -84,7 +84,12 @@ def path_of(where: str, value: object) -> Path:
     if not isinstance(value, str | os.PathLike):
         raise InputError(where, "not a path", found=describe(value), expected="the path of a file")
     name = os.fsdecode(cast("str | os.PathLike[str]", value))
-    if not name or "\0" in name:
+    try:
+        known = os.fsencode(name)
+    except UnicodeEncodeError:
+        # Half of a character beyond the first 65536, as a text cut in two leaves it.
+        known = b""
+    if not known or b"\0" in known:
         raise InputError(where, "not a path", found=repr(name)[:60], expected="the path of a file")
     return Path(name)
 

@@ -167,7 +167,7 @@ def limit_program(
     """
     one_of("limit_analysis: contact_model", contact_model, *get_args(ContactModel))
     endless = np.inf if compressive_strength is None else compressive_strength
-    endurance = _of_interfaces("compressive_strength", endless, contacts, endless=True)
+    endurance = of_interfaces("compressive_strength", endless, contacts, endless=True)
     pressed, parts = np.zeros_like(endurance, dtype=np.bool_), None
     if compressive_strength is not None:
         pressed = parallelograms(joint_polygons(contacts), contacts.area) & np.isfinite(endurance)
@@ -293,7 +293,7 @@ def point_strength(
     A point stands for an equal share of its interface's area, or for a part of it: for its cohesion (Pa), and for its
     compressive strength (Pa).
     """
-    mu, c = (_of_interfaces(name, value, contacts) for name, value in (("friction", friction), ("cohesion", cohesion)))
+    mu, c = (of_interfaces(name, value, contacts) for name, value in (("friction", friction), ("cohesion", cohesion)))
     if np.ndim(cohesion) == 0:
         c = np.where(contacts.kind == "butt", 0.0, c)
     if parts is None:
@@ -303,13 +303,18 @@ def point_strength(
         interface, area = parts.contacts.interface_of_point, parts.area
     bound = np.full(len(area), np.inf)
     if compressive_strength is not None and parts is not None:
-        f = _of_interfaces("compressive_strength", compressive_strength, contacts, endless=True)
+        f = of_interfaces("compressive_strength", compressive_strength, contacts, endless=True)
         bound[parts.divided] = (f[interface] * area / force)[parts.divided]
     return Strength(friction=mu[interface], cohesion=c[interface] * area / force, bound=bound)
 
 
-def _of_interfaces(name: str, value: npt.ArrayLike, contacts: Contacts, *, endless: bool = False) -> FloatArray:
-    """Return a value of each interface (ni,); endless: it may be infinite, but not zero."""
+def of_interfaces(name: str, value: npt.ArrayLike, contacts: Contacts, *, endless: bool = False) -> FloatArray:
+    """Return a value of each interface (ni,); endless: it may be infinite, but not zero.
+
+    Raises
+    ------
+    InputError: no number, nor one an interface; one out of range.
+    """
     array = array_of(name, value, "iuf", "numbers").astype(np.float64)
     if array.ndim > 1 or (array.ndim == 1 and array.shape != contacts.area.shape):
         raise InputError(name, "wrong shape", found=array.shape, expected=f"a number or ({len(contacts.area)},)")

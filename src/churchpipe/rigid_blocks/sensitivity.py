@@ -17,7 +17,7 @@ from churchpipe.model.motion import velocity_at
 from churchpipe.model.names import CONTACT_MODEL, ContactModel
 from churchpipe.model.results import LimitState
 from churchpipe.rigid_blocks.equilibrium import equilibrium, lateral_weight
-from churchpipe.rigid_blocks.limit import limit_analysis
+from churchpipe.rigid_blocks.limit import limit_analysis, of_interfaces
 from churchpipe.rigid_blocks.torsion import friction_points
 
 # A mechanism does unit work with its own load, but for this: files keep fewer digits.
@@ -156,9 +156,10 @@ def verify_gains(
             remedy="Give the stones and contacts from which sensitivities made them.",
         )
     best = whole("verify_gains: best", best, least=0)
+    present = of_interfaces("cohesion", cohesion, contacts)
     with_cohesion, with_weight = rates.with_cohesion.copy(), rates.with_weight.copy()
     for wall in np.argsort(-rates.cohesion, kind="stable")[:best].tolist():
-        more = np.asarray(cohesion, dtype=np.float64) + COHESION_MORE * _share(stones, contacts, str(rates.panel[wall]))
+        more = present + COHESION_MORE * _share(stones, contacts, str(rates.panel[wall]))
         with_cohesion[wall] = limit_analysis(stones, contacts, load, friction, more, **options).load_factor
     for wall in np.argsort(-rates.weight, kind="stable")[:best].tolist():
         own = (stones.panel == rates.panel[wall]) & ~stones.fixed

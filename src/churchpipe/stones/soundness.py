@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from churchpipe.errors import InputError
 from churchpipe.geometry.manifolds import manifold
 from churchpipe.geometry.planar import overlapping
-from churchpipe.model.arguments import check_kind
+from churchpipe.model.arguments import check_call, check_kind
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOUCHING, Contacts, check_contacts_of
@@ -103,6 +103,7 @@ def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[
     check_kind("check_soundness: stones", stones, Assemblage)
     check_kind("check_soundness: contacts", contacts, Contacts)
     check_contacts_of(stones, contacts)
+    check_call("check_soundness: progress", progress)
     problems: list[str] = []
     remedies: list[str] = []
     double = duplicate_stones(stones)
