@@ -112,6 +112,8 @@ CALLS: list[tuple[Callable[[], Any], str]] = [
     (lambda: cp.write_obj(STONES, "\ud800.obj"), r"write_obj: path: not a path; found '\\ud800\.obj'"),
     (lambda: cp.write_obj(STONES, "."), r"write_obj: the file cannot be written; found a folder of this name"),
     (lambda: cp.write_dxf(STONES, "a.dxf", units=cast("Any", np.ones(2))), r"units: not a unit drawings are written in"),
+    (lambda: cp.generators.generate("wal", {}, (), "w"), r'generate: generator: unknown value; found wal; expected "wall" or'),
+    (lambda: cp.generators.wall(length=1.2, brick=np.array(0.4), courses=3), r"wall.brick: not a list; found ndarray"),
     (lambda: cp.place_loads(STONES, cast("Any", np.array(0.5))), r"place_loads: loads: not a list; found ndarray"),
     (lambda: cp.Buttress("w", (1.0,), "+x", 0.5, cast("Any", None)), r"buttress of w: depth: not a number; found None"),
     (lambda: cp.Buttress("w", (1.0,), "+x", 0.5, 0.5, name=cast("Any", 3)), r"buttress of w: name: not a text; found 3"),

@@ -19,6 +19,7 @@ from churchpipe.generators.prototype import PrototypeParameters, prototype
 from churchpipe.generators.tower import TowerParameters, tower
 from churchpipe.generators.vault import VaultParameters, vault
 from churchpipe.generators.wall import WallParameters, wall
+from churchpipe.model.arguments import one_of
 from churchpipe.model.building import MOST_STONES, Building
 from churchpipe.model.buttress import Buttress
 from churchpipe.model.materials import UnitWeight
@@ -79,7 +80,13 @@ def generate(
     buttresses: Iterable[Buttress] = (),
     most_stones: int = MOST_STONES,
 ) -> Building:
-    """Return the building that a generator makes of its parameters, SI, with buttresses and ring beams."""
+    """Return the building that a generator makes of its parameters, SI, with buttresses and ring beams.
+
+    Raises
+    ------
+    InputError: no such generator, or what it cannot take.
+    """
+    one_of("generate: generator", generator, *GENERATORS)
     if generator == "dome":
         # Its stones are made one by one.
         check_counts(name, {name: as_dataclass(DomeParameters, "dome", parameters).stones_about}, most_stones)

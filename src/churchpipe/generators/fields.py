@@ -116,6 +116,11 @@ def _one_of_kinds(where: str, value: Any, options: Sequence[Any], quantity: Quan
 
 
 def _items(where: str, value: Any) -> list[Any]:
+    error = InputError(where, "not a list", found=describe(value), expected="a list")
     if isinstance(value, str | bytes | Mapping | set | frozenset) or not isinstance(value, Iterable):
-        raise InputError(where, "not a list", found=describe(cast("object", value)), expected="a list")
-    return list(cast("Iterable[Any]", value))
+        raise error
+    try:
+        return list(cast("Iterable[Any]", value))
+    except TypeError:
+        # An array without a dimension calls itself iterable.
+        raise error from None
