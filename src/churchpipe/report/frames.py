@@ -6,7 +6,7 @@ import numpy as np
 
 from churchpipe.io.atomic import write_text
 from churchpipe.io.vtu import write_vtu
-from churchpipe.large_displacements.poses import Poses, displaced, screw
+from churchpipe.large_displacements.poses import Poses, displaced, rotation_vectors, screw
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
@@ -50,4 +50,7 @@ def placed(stones: Assemblage, position: FloatArray, rotation: FloatArray) -> As
 
 def _between(path: BlockCapacityCurve | SettlementPath, step: int, after: int) -> FloatArray:
     """Return how the stones go on (nb, 6), m and rad, from one step to another."""
-    return np.concatenate([part[after] - part[step] for part in (path.position, path.rotation)], axis=1)
+    # Rotation vectors do not add up about axes that change, and jump where a stone has turned by half a turn.
+    before, then = (screw(path.rotation[one])[0] for one in (step, after))
+    turn = rotation_vectors(np.einsum("kij,klj->kil", then, before))
+    return np.concatenate([path.position[after] - path.position[step], turn], axis=1)

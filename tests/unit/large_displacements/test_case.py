@@ -20,6 +20,7 @@ from churchpipe.configuring import configure
 from churchpipe.errors import InputError
 from churchpipe.io.npz import read_npz, write_npz
 from churchpipe.io.recording import curve_record_of
+from churchpipe.large_displacements.poses import rotation_vectors, screw
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.names import GOOD
 from churchpipe.model.results import LimitState
@@ -211,6 +212,21 @@ def test_the_path_for_paraview(tmp_path: Path, curve: BlockCapacityCurve) -> Non
     assert list(tmp_path.iterdir()) == []
 
 
+def test_the_motion_for_paraview_leads_to_the_next_step(tmp_path: Path, curve: BlockCapacityCurve) -> None:
+    # A tenth of a radian: past half a turn, where vectors of rotation jump, and about another axis than before.
+    turns = (
+        [(0, 3.1, 0), (0, 3.2 - 2 * np.pi, 0)],
+        [(0, 1.5, 0), rotation_vectors(screw(np.array([[0, 0, 0.1]]))[0] @ ABOUT_Y)[0]],
+    )
+    for before, after in turns:
+        rotation = np.zeros((2, BLOCK.count, 3))
+        rotation[0, ~BLOCK.fixed], rotation[1, ~BLOCK.fixed] = before, after
+        write_path(tmp_path / "path.pvd", BLOCK, replace(curve.until(1), rotation=rotation))
+        first, second = (pyvista.read(tmp_path / f"path_0{number}.vtu") for number in (0, 1))
+        assert first.points + first["velocity"] == pytest.approx(second.points, abs=0.5 * 0.1**2 * 1.2)
+
+
+ABOUT_Y = screw(np.array([[0, 1.5, 0]]))[0]
 FALLEN = on_ground(box((0, 1), (0, 1), (0, 1)), box((0.6, 1.6), (0, 1), (1, 2)))
 
 
