@@ -16,6 +16,8 @@ _MAP = 4.8
 # Joints open by less than this share of the widest, or by less than so many metres, are drawn shut; so many of the widest have
 # their figure.
 _SHUT, _INVISIBLE, _FIGURES = 0.01, 1e-6, 6
+# Joints that are seen no wider than this share of their length are seen on edge.
+_ON_EDGE = 0.1
 
 
 def crack_map_svg(stones: Assemblage, contacts: Contacts, opening: FloatArray, wall: str) -> str:
@@ -29,12 +31,14 @@ def crack_map_svg(stones: Assemblage, contacts: Contacts, opening: FloatArray, w
     cracked = np.flatnonzero(own.any(axis=1) & (opening > max(_SHUT * float(opening.max(initial=0.0)), _INVISIBLE)))
     if not len(mine) or not len(cracked):
         return ""
-    axis = _direction(stones.centroid[mine, :2])
+    corners = np.isin(stone_of_point(stones), mine)
+    # Of the corners: centroids of stones that stand on each other have no direction.
+    axis = _direction(stones.points[corners, :2])
     seen, points = _seen(stones.points, axis), _seen(contacts.point, axis)
-    start = np.array([float(seen[np.isin(stone_of_point(stones), mine), 0].min()), 0.0])
+    start = np.array([float(seen[corners, 0].min()), 0.0])
     seen, points = seen - start, points - start
     outlines = [_outline(seen[stones.block_point_ptr[i] : stones.block_point_ptr[i + 1]]) for i in mine]
-    lines = [_line(points[contacts.point_ptr[i] : contacts.point_ptr[i + 1]]) for i in cracked]
+    lines = [_drawn(points[contacts.point_ptr[i] : contacts.point_ptr[i + 1]]) for i in cracked]
     low, high = (edge(np.concatenate(outlines), axis=0) for edge in (np.min, np.max))
     length, height = high - low
     plot, (axes,) = new_plot(1, (_MAP, float(np.clip(3.2 * height / max(length, 1e-9), 1.2, 4.0)) + 0.6))
@@ -63,7 +67,7 @@ def _draw(plot: Any, axes: Any, outlines: list[FloatArray], lines: list[FloatArr
     # Figures stand out against joints as dark as they are.
     halo = [withStroke(linewidth=2.0, foreground="white")]
     for i in _apart(order[::-1], lines):
-        middle, text = lines[i].mean(axis=0), f"{width[i]:.3g}"
+        middle, text = _middle(lines[i]), f"{width[i]:.3g}"
         axes.annotate(text, middle, xytext=(3, 3), textcoords="offset points", fontsize=8, path_effects=halo)
     axes.autoscale_view()
     bar = plot.colorbar(joints, ax=axes, shrink=0.7)
@@ -73,7 +77,7 @@ def _draw(plot: Any, axes: Any, outlines: list[FloatArray], lines: list[FloatArr
 
 def _apart(order: IntArray, lines: list[FloatArray]) -> list[int]:
     """Return some of the joints in this order, each a good way from those before."""
-    middle = np.array([line.mean(axis=0) for line in lines])
+    middle = np.array([_middle(line) for line in lines])
     size, chosen = float(np.ptp(middle, axis=0).max()) if len(middle) else 0.0, list[int]()
     for i in order.tolist():
         if len(chosen) == _FIGURES:
@@ -102,7 +106,17 @@ def _outline(points: FloatArray) -> FloatArray:
     return points[ConvexHull(points).vertices]
 
 
-def _line(points: FloatArray) -> FloatArray:
-    """Return the two ends (2, 2) of the longest line between points (n, 2): a joint seen on edge."""
+def _drawn(points: FloatArray) -> FloatArray:
+    """Return what a joint with these points (n, 2) is drawn by: the longest line (2, 2) between them where it is seen on edge, or
+    else its outline (k, 2), closed."""
     apart = np.linalg.norm(points[:, None] - points[None], axis=2)
-    return points[list(np.unravel_index(int(apart.argmax()), apart.shape))]
+    ends = points[list(np.unravel_index(int(apart.argmax()), apart.shape))]
+    across = (points - ends[0]) @ np.array([[0.0, 1.0], [-1.0, 0.0]]) @ (ends[1] - ends[0])
+    if np.ptp(across) <= _ON_EDGE * apart.max() ** 2:
+        return ends
+    outline = _outline(points)
+    return np.concatenate([outline, outline[:1]])
+
+
+def _middle(line: FloatArray) -> FloatArray:
+    return 0.5 * (line.min(axis=0) + line.max(axis=0))

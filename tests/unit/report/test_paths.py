@@ -114,3 +114,19 @@ def test_crack_maps_begin_at_the_end_of_their_wall() -> None:
         assert "0.0" in texts
     assert drawn[0] == drawn[1]
     assert set(drawn[0]) == set(drawn[2])
+
+
+def test_a_joint_seen_from_the_front_is_no_crack_across_a_stone() -> None:
+    # Two leaves of a wall part; seen from the side of one, the joint between them is as long and as high as the stone.
+    leaves = on_ground(box((0, 2), (0, 0.3), (0, 1)), box((0, 2), (0.3, 0.6), (0, 1)))
+    stones = replace(leaves, panel=np.array(["ground", "outer", "inner"]))
+    contacts = cp.find_contacts(stones)
+    assert len(contacts.blocks) == 3
+    between = ~stones.fixed[contacts.blocks].any(axis=1)
+    for opening, turns in ((between, 4), (~between, 1)):
+        drawn = crack_map_svg(stones, contacts, 2e-3 * opening, "outer")
+        (path,) = re.findall(r'id="LineCollection_1">\s*<path d="([^"]*)"', drawn)
+        corners = np.array(re.findall(r"[ML] (\S+) (\S+)", path), dtype=float)
+        assert len(corners) == turns + 1
+        # Along its edges alone, which are upright or level.
+        assert np.abs(np.diff(corners, axis=0)).min(axis=1).max() < 1e-6
