@@ -190,8 +190,13 @@ def digest_of(path: Path) -> str:
     """Return a digest of the files that a file of stones or a folder of them is read from."""
     digest = hashlib.sha256()
     for file in files_of(path):
-        digest.update(file.name.encode() + b"\0" + file.read_bytes())
+        digest.update(os.fsencode(file.name) + b"\0" + file.read_bytes())
     return digest.hexdigest()
+
+
+def _readable(name: str) -> str:
+    """Return the name of a file as a text that can be written: what is no UTF-8 in it, as from an old disk, is a mark."""
+    return os.fsencode(name).decode("utf-8", "replace")
 
 
 def _reader_of(path: Path) -> Callable[[Path], Source] | None:
@@ -226,9 +231,11 @@ def _read_folder(path: Path) -> Source:
     for file, source in zip(files, sources, strict=True):
         single = len(source.bodies) == 1
         for body in source.bodies:
-            name = file.stem if single or not body.name else f"{file.stem}/{body.name}"
+            stem = _readable(file.stem)
+            name = stem if single or not body.name else f"{stem}/{body.name}"
             bodies.append(replace(body, name=name))
-    others = sorted({file.name for file in path.iterdir() if not file.name.startswith(".")} - {file.name for file in files})
+    known = {file.name for file in files}
+    others = sorted(_readable(file.name) for file in path.iterdir() if not file.name.startswith(".") and file.name not in known)
     findings = [finding for source in sources for finding in source.findings]
     if others:
         named = ", ".join(others[:MOST_NAMED]) + (f" and {len(others) - MOST_NAMED} more" if len(others) > MOST_NAMED else "")

@@ -1,5 +1,6 @@
 """What files of real models had: each fault in a small file, and exactly the findings it deserves."""
 
+import os
 import zipfile
 from collections.abc import Callable
 from itertools import pairwise
@@ -11,6 +12,7 @@ import pytest
 import churchpipe as cp
 from churchpipe.findings import Findings, FindingsError
 from churchpipe.geometry.degenerate import degenerate
+from churchpipe.meshes.reader import digest_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.surfaces import edges
 from mesh_files import fortran, triangles, write_compas
@@ -292,6 +294,20 @@ def test_files_of_a_folder_that_are_left_out_are_named(tmp_path: Path) -> None:
         (tmp_path / name).write_text("")
     findings = cp.read_stones(tmp_path)[1]
     assert "left out: 2 files in other formats, notes.txt, wall.dxf. Look whether" in str(findings)
+
+
+def test_names_of_files_that_are_no_utf_8_can_be_written(tmp_path: Path) -> None:
+    """As of a disk of old, in Latin-1: names of stones, of files that are left out, and what tells a changed file."""
+    folder = tmp_path / "stones"
+    folder.mkdir()
+    tower(folder / os.fsdecode(b"m\xfchle.obj"), HIGH, BOX_FACES)
+    (folder / os.fsdecode(b"Sto\xdf.txt")).write_text("")
+    stones, findings = cp.read_stones(folder)
+    assert "m\ufffdhle/high" in stones.block_id.tolist()
+    assert "1 file in other formats, Sto\ufffd.txt" in str(findings)
+    cp.write_obj(stones, tmp_path / "again.obj")
+    assert "o m\ufffdhle/high" in (tmp_path / "again.obj").read_text(encoding="utf-8")
+    assert len(digest_of(folder)) == 64
 
 
 def test_a_3mf_without_a_model_is_told_once(tmp_path: Path) -> None:
