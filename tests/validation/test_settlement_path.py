@@ -173,6 +173,23 @@ def test_a_bearing_that_turns() -> None:
     assert path.movement == pytest.approx(turn, abs=1e-9)
 
 
+@pytest.mark.parametrize("courses", [0, 12])
+def test_a_beam_rests_on_the_edge_about_which_its_bearing_turns(courses: int) -> None:
+    # It leans on the edge without any moment about it, and stays until it slides over it. The edge bears 3/7 of the weight and
+    # the inner edge of the other bearing 4/7, whose friction holds it: 3/7 tan(angle - atan mu) = 4/7 mu.
+    # So it does with a wall upon it that is higher than what is followed round the stones that move.
+    friction, step = 0.2, 0.04
+    bearings = box((-1, 0.5), (0, 1), (-1, 0)), box((3.5, 4.5), (0, 1), (-1, 0))
+    beams = [box((0, 4), (0, 1), (0.25 * k, 0.25 * k + 0.25)) for k in range(courses + 1)]
+    stones = cp.Assemblage.from_polyhedra([*bearings, *beams], 18e3, fixed=[0, 1])
+    options: dict[str, Any] = {"about": (0, 0, 0), "step": step, "furthest": 0.6}
+    path = cp.settlement_path(stones, cp.find_contacts(stones), [0], (0, 1, 0), friction, **options)
+    assert path.proved
+    assert path.status == "collapsed"
+    assert path.reaction == pytest.approx(0.0, abs=1e-6 * stones.weight.sum())
+    assert path.ultimate == pytest.approx(np.arctan(friction) + np.arctan(4 / 3 * friction), abs=0.1 * step)
+
+
 @pytest.mark.parametrize(("friction", "end"), [(0.9, np.arctan(0.25)), (0.2, np.arctan(0.2))])
 def test_a_block_on_ground_that_tilts(friction: float, end: float) -> None:
     # It falls where its centroid passes its toe, tan t = b / h, or slides where tan t = mu. Steps of .02 rad.

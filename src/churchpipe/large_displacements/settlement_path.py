@@ -21,7 +21,7 @@ from churchpipe.large_displacements.settlement import resistance, settlement_ana
 from churchpipe.large_displacements.supports import SupportMovement
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arguments import check_call, check_kind
-from churchpipe.model.arrays import BoolArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.digests import digests
@@ -118,8 +118,9 @@ def settlement_path(
     if about is None:
         chosen = np.atleast_1d(np.asarray(support, dtype=np.int64))
         doubt([WHOLE_GROUND.format("The support")] if stands_on(stones, contacts, chosen) else ())
-    if halo:
-        speed = stone_speed(stones, least.velocities)
+    speed = stone_speed(stones, least.velocities)
+    # Where nothing follows the support as it begins to move, what will move later is not known, and no stone is held.
+    if halo and not _stand_still(model, speed):
         moving = (speed > PATH.still * reference_speed(speed)) | _upon(contacts, np.atleast_1d(support), stones.count)
         model = replace(model, held=held_around(stones, contacts.blocks, moving, halo))
     record = _Movement(model, furthest, int(steps), progress, keep, least.reaction)
@@ -141,6 +142,12 @@ def _upon(contacts: Contacts, support: IntArray, count: int) -> BoolArray:
     out = np.zeros(count, dtype=bool)
     out[contacts.blocks[first | second]] = True
     return out
+
+
+def _stand_still(model: MovingModel, speed: FloatArray) -> bool:
+    """Return whether all free stones, of these speeds (nb,), stay where they are while the support moves."""
+    support = cast(SupportMovement, model.driven).stones
+    return float(speed[~model.stones.fixed].max(initial=0.0)) < PATH.left_behind * float(speed[support].max())
 
 
 class _Movement(Record):
@@ -176,10 +183,10 @@ class _Movement(Record):
         self.note(step)
         if (ending := self.reached()) is not None:
             return ending
-        free = ~self.model.stones.fixed
-        driven = np.isin(np.arange(len(free)), cast(SupportMovement, self.model.driven).stones)
-        still = float(step.speed[free].max(initial=0.0)) < PATH.left_behind * float(step.speed[driven].max())
-        if -step.answer.load_factor < PATH.nothing and still:
+        # What leans on an edge about which its support turns resists no turn, and rests on it all the same.
+        upon = np.isin(step.state.joints.pair, cast(SupportMovement, self.model.driven).stones).any(axis=1)
+        pressed = float(step.answer.forces[: len(step.rate), 0][upon].sum())
+        if max(-step.answer.load_factor, pressed) < PATH.nothing and _stand_still(self.model, step.speed):
             return Ending("free", "nothing rests on the support any more: the structure stands without it")
         if self.keep:
             self.keep(self.path(Ending("unfinished", "interrupted"), 0.0))
