@@ -35,6 +35,8 @@ LIMIT_STATES: dict[LimitName, LimitStateRule] = {
 # A load factor that falls by more than this share within a step, or within the second share of d0 however short the steps, is a
 # loss of connections.
 _LOSS, _WITHIN = 0.5, 0.05
+# It begins to fall where it has this share, the last time, of what it was at the step from which the fall lies so near.
+_BEFORE = 0.9
 FOLLOW = "Follow the curve further: more steps, or a larger furthest_mm, in [rigid.curve]."
 
 
@@ -144,18 +146,30 @@ def oscillator(
     # d = d_C sum P delta^2 / (delta_C sum P delta) with the mean displacement of what is pushed as d_C.
     scale = second / first * float(load.sum()) / float(load @ motion)
     level = float(load @ motion) / first * GRAVITY / (fraction * confidence_factor)
-    kept = load_factor > 0
-    soon = np.interp(displacement + _WITHIN * d0, displacement, load_factor)
-    soon[:-1] = np.minimum(soon[:-1], load_factor[1:])
-    sudden = displacement[(soon < (1 - _LOSS) * load_factor) & (displacement < LIMIT_STATES["SLV"].share * d0)]
+    kept, lost = load_factor > 0, _loss(displacement, load_factor, d0)
     return Oscillator(
         np.append(displacement[kept], d0) * scale,
         np.append(load_factor[kept], 0.0) * level,
         d0 * scale,
-        float(sudden[0]) * scale if len(sudden) else math.inf,
+        lost * scale if lost < LIMIT_STATES["SLV"].share * d0 else math.inf,
         fraction,
         all_moving,
     )
+
+
+def _loss(displacement: FloatArray, load_factor: FloatArray, d0: float) -> float:
+    """Return where connections are lost on a curve (ns,), m, infinite where none are: where the load factor begins to fall.
+
+    Before the fall it is still near what it was where the fall came within reach, wherever steps lie between the two.
+    """
+    soon = np.interp(displacement + _WITHIN * d0, displacement, load_factor)
+    soon[:-1] = np.minimum(soon[:-1], load_factor[1:])
+    sudden = np.flatnonzero(soon < (1 - _LOSS) * load_factor)
+    if not len(sudden):
+        return math.inf
+    near = load_factor[sudden[0] :] / load_factor[sudden[0]]
+    before = near[: int(np.argmax(near < 1 - _LOSS)) or None]
+    return float(displacement[sudden[0] + np.flatnonzero(before >= _BEFORE)[-1]])
 
 
 def capacity(curve: Oscillator, demand: Demand, limit: LimitName = "SLV") -> LimitStateCapacity:

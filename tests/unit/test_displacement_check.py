@@ -104,6 +104,17 @@ def test_a_loss_of_connections_counts_however_short_the_steps_are() -> None:
     assert curve.loss == pytest.approx(0.05)
 
 
+@pytest.mark.parametrize("break_at", [0.01, 0.0347, 0.1])
+def test_the_place_of_a_loss_does_not_depend_on_the_steps(break_at: float) -> None:
+    # A rocking wall, alpha = .13 (1 - d/.28), and a tie that adds .2 until it breaks, its place known to .3 mm.
+    for step in (0.02, 0.005, 0.001):
+        displacement = np.unique([*np.arange(0, 0.28, step), break_at, break_at + 3e-4, 0.28])
+        load_factor = 0.13 * (1 - displacement / 0.28) + np.where(displacement <= break_at, 0.2, 0.0)
+        curve = oscillator(displacement, load_factor, 0.28, np.ones(1), np.ones(1))
+        assert curve.loss == pytest.approx(break_at), step
+        assert capacity(curve, SITE).displacement == pytest.approx(break_at)
+
+
 def test_connections_that_are_lost_at_once_leave_the_onset() -> None:
     # Nothing is left to go: a period of zero has no displacement, which any earthquake meets.
     curve = oscillator(np.array([0, 0.002, 0.1, 0.3]), np.array([0.7, 0.2, 0.1, 0.0]), 0.3, np.ones(1), np.ones(1))
