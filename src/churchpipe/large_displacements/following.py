@@ -59,29 +59,38 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
 
     A step is solved on the stones that move and those near to them, so many contacts away (`rings`). Stones that stand still by
     now are held; where a step moves others, it is solved again with more. Where stones fall in it, it is solved again without
-    them, unless the structure cannot spare them. Where much is lost on the way to it (`Steps.drops`), it goes half as far, until
-    that place is known to `PATH.located` of a step. last: the step that led to the state, where it is known.
+    them, unless the structure cannot spare them. Where much is lost on the way to it (`Steps.drops`), or a large model has gone
+    to a place where the step is not proved, it goes half as far, until that place is known to `PATH.located` of a step. last: the
+    step that led to the state, where it is known.
     """
     for _ in range(steps):
         model, state = shrunk(model, state, rings)
-        whole = True
+        fallen: list[PathStep] = []
         while True:
             step = solve_state(model, state)
             falls = bool(step.falling.any())
             if falls and may_go_on(model, step):
-                record.fall(step)
-                state, whole = without(model, state, step), False
+                fallen.append(step)
+                state = without(model, state, step)
             elif not falls and (wider := grown(model, step, rings)) is not None:
                 model, state = wider
-            elif last and whole and state.way > PATH.located * last.way and record.drops(step):
+            elif last and state.way > PATH.located * last.way and (_unproved(model, step) or (not fallen and record.drops(step))):
+                fallen.clear()
                 model, state = shrunk(last.model, last.along(0.5 * state.way), rings)
             else:
                 break
+        for each in fallen:
+            record.fall(each)
         if (ending := _no_further(model, state, step) or record.add(step)) is not None:
             return ending
         last = Departure(model, step.way, partial(next_state, model, step))
         state = next_state(model, step, record.left)
     return Ending("unfinished", "all steps asked for were used up")
+
+
+def _unproved(model: MovingModel, step: PathStep) -> bool:
+    """Return whether a step of a large model is not proved. From a nearer place one often is, as before stones fall together."""
+    return model.large and (step.answer.outcome != "solved" or step.misfit > PATH.fits)
 
 
 def _no_further(model: MovingModel, state: PathState, step: PathStep) -> Ending | None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.stone_path import CREDIBLE
+from churchpipe.model.stone_path import CREDIBLE, FITS
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class PathSettings:
 
     What a motion is worth, by what it lacks of one without dilatancy, a share of the load factor (and see `Demands`):
         started: a start further away is not good enough; higher: nor one whose load factor exceeds that of the certified
-        analysis by this share. credible: it tells how the stones go on. steady: a motion goes on as it
+        analysis by this share. fits: it proves a step. credible: it tells how the stones go on. steady: a motion goes on as it
         did when no stone's speed has changed by more than this share of the fastest.
 
     Stones that move, by shares of the fastest speed:
@@ -124,6 +124,7 @@ class PathSettings:
     least: float = 0.01
     started: float = 0.01
     higher: float = 5e-3
+    fits: float = FITS
     credible: float = CREDIBLE
     steady: float = 0.3
     still: float = 1e-3

@@ -11,7 +11,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ReadOnly, f
 from churchpipe.model.assemblage import Assemblage
 
 # A path is proved when forces balance and keep to their friction cones to the first, and motions fit forces to the second.
-_EXACT, _FITS = 1e-8, 1e-2
+_EXACT, FITS = 1e-8, 1e-2
 # A step that misses more is no equilibrium at all.
 CREDIBLE = 0.1
 # Contacts from a stone that moves to those that are held.
@@ -116,7 +116,7 @@ class StonePath(ReadOnly):
     def proved_steps(self) -> int:
         """How many steps from the first one on are proved: forces balance and keep to friction to 1e-8 of the weight, and the
         motion fits to 1 %."""
-        good = (self.residual < _EXACT) & (self.violation < _EXACT) & (self.misfit < _FITS)
+        good = (self.residual < _EXACT) & (self.violation < _EXACT) & (self.misfit < FITS)
         return len(good) if good.all() else int(np.argmin(good))
 
     @property

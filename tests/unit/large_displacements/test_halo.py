@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
-from churchpipe.large_displacements import pushover
+from churchpipe.large_displacements import following, pushover
 from churchpipe.large_displacements.following import Ending
 from churchpipe.large_displacements.halo import grown, held_around, held_at_first, shrunk
 from churchpipe.large_displacements.moving_model import MovingModel, moving_model
-from churchpipe.large_displacements.path import next_state, solve_state
+from churchpipe.large_displacements.path import PathStep, next_state, solve_state
 from churchpipe.large_displacements.path_state import PathState, first_state, renewed_state
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.model.arrays import BoolArray
@@ -54,6 +54,24 @@ def test_the_curve_is_that_of_the_full_model(halo: int) -> None:
     assert part.load_factor == pytest.approx(full.load_factor, abs=1e-6)
     assert part.d0 == pytest.approx(full.d0, rel=1e-6)
     assert part.proved
+
+
+@pytest.mark.parametrize(("halo", "shorter"), [(1, 4), (0, 1)])
+def test_a_large_model_goes_less_far_where_the_next_step_would_not_be_proved(
+    monkeypatch: pytest.MonkeyPatch, halo: int, shorter: int
+) -> None:
+    """Each step is halved until the one after it is proved; in a small model, it is kept as it is."""
+    stones, contacts = row(20, 4)
+    taken = cp.block_pushover(stones, contacts, PUSH, 0.6, step=0.02, steps=3, halo=halo)
+
+    def doubtful(model: MovingModel, state: PathState) -> PathStep:
+        step = solve_state(model, state)
+        return replace(step, across=0.02) if state.way > 0.3 * step.way else step
+
+    monkeypatch.setattr(following, "solve_state", doubtful)
+    halved = cp.block_pushover(stones, contacts, PUSH, 0.6, step=0.02, steps=3, halo=halo)
+    assert halved.displacement == pytest.approx(taken.displacement / shorter, rel=1e-3)
+    assert halved.proved == (shorter > 1)
 
 
 def test_a_load_that_grows_with_the_height_is_that_of_all_stones() -> None:
