@@ -162,14 +162,29 @@ def _loss(displacement: FloatArray, load_factor: FloatArray, d0: float) -> float
 
     Before the fall it is still near what it was where the fall came within reach, wherever steps lie between the two.
     """
-    soon = np.interp(displacement + _WITHIN * d0, displacement, load_factor)
-    soon[:-1] = np.minimum(soon[:-1], load_factor[1:])
-    sudden = np.flatnonzero(soon < (1 - _LOSS) * load_factor)
+    sudden = np.flatnonzero(_soon(displacement, load_factor, _WITHIN * d0) < (1 - _LOSS) * load_factor)
     if not len(sudden):
         return math.inf
     near = load_factor[sudden[0] :] / load_factor[sudden[0]]
     before = near[: int(np.argmax(near < 1 - _LOSS)) or None]
     return float(displacement[sudden[0] + np.flatnonzero(before >= _BEFORE)[-1]])
+
+
+def _soon(displacement: FloatArray, load_factor: FloatArray, within: float) -> FloatArray:
+    """Return the least load factor (ns,) on the way from each step to the next, or for as long as it is no further than so, m.
+
+    On the way, not by displacement: a curve may go back.
+    """
+    soon = load_factor.copy()
+    for step, start in enumerate(displacement[:-1].tolist()):
+        far = np.flatnonzero(np.abs(displacement[step:] - start) > within)
+        last = step + int(far[0]) if len(far) else len(displacement)
+        soon[step] = load_factor[step : max(last, step + 2)].min()
+        if last < len(displacement):
+            rim = start + math.copysign(within, displacement[last] - start)
+            way, factor = displacement[last - 1 : last + 1], load_factor[last - 1 : last + 1]
+            soon[step] = min(soon[step], factor[0] + np.diff(factor)[0] * (rim - way[0]) / np.diff(way)[0])
+    return soon
 
 
 def capacity(curve: Oscillator, demand: Demand, limit: LimitName = "SLV") -> LimitStateCapacity:

@@ -115,6 +115,17 @@ def test_the_place_of_a_loss_does_not_depend_on_the_steps(break_at: float) -> No
         assert capacity(curve, SITE).displacement == pytest.approx(break_at)
 
 
+def test_a_loss_of_connections_is_found_on_the_way_of_a_curve_that_goes_back() -> None:
+    """Where a structure snaps back and recovers, there is less on the way than at any larger displacement."""
+    displacement = np.array([0.0, 0.02, 0.04, 0.037, 0.034, 0.032, 0.036, 0.05, 0.15, 0.3])
+    load_factor = np.array([0.2, 0.19, 0.18, 0.14, 0.1, 0.07, 0.14, 0.15, 0.1, 0.0])
+    curve = oscillator(displacement, load_factor, 0.3, np.ones(1), np.ones(1))
+    assert curve.loss == pytest.approx(0.04)
+    # One that goes back as far, and keeps more than half.
+    curve = oscillator(displacement, np.maximum(load_factor, 0.1), 0.3, np.ones(1), np.ones(1))
+    assert curve.loss == np.inf
+
+
 def test_connections_that_are_lost_at_once_leave_the_onset() -> None:
     # Nothing is left to go: a period of zero has no displacement, which any earthquake meets.
     curve = oscillator(np.array([0, 0.002, 0.1, 0.3]), np.array([0.7, 0.2, 0.1, 0.0]), 0.3, np.ones(1), np.ones(1))
