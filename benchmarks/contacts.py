@@ -106,7 +106,7 @@ def times() -> None:
 
 
 def main() -> None:
-    """Print the tables of docs/contacts.md."""
+    """Print the tables of docs/contacts.md, the first of them whole as in docs/development.md."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--models", nargs="+", default=list(MODELS), choices=list(MODELS))
     parser.add_argument("--seeds", type=int, default=20)
