@@ -59,9 +59,9 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
 
     A step is solved on the stones that move and those near to them, so many contacts away (`rings`). Stones that stand still by
     now are held; where a step moves others, it is solved again with more. Where stones fall in it, it is solved again without
-    them, unless the structure cannot spare them. Where much is lost on the way to it (`Steps.drops`), or a large model has gone
-    to a place where the step is not proved, it goes half as far, until that place is known to `PATH.located` of a step. last: the
-    step that led to the state, where it is known.
+    them, unless the structure cannot spare them. Where much is lost on the way to it (`Steps.drops`), it goes half as far, until
+    that place is known to `PATH.located` of a step; so it does in a large model where the step is not proved, until it goes less
+    far than `PATH.nearer` of one. last: the step that led to the state, where it is known.
     """
     for _ in range(steps):
         model, state = shrunk(model, state, rings)
@@ -74,7 +74,10 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
                 state = without(model, state, step)
             elif not falls and (wider := grown(model, step, rings)) is not None:
                 model, state = wider
-            elif last and state.way > PATH.located * last.way and (_unproved(model, step) or (not fallen and record.drops(step))):
+            elif last and (
+                (state.way > PATH.nearer * last.way and _unproved(model, step))
+                or (state.way > PATH.located * last.way and not fallen and record.drops(step))
+            ):
                 fallen.clear()
                 model, state = shrunk(last.model, last.along(0.5 * state.way), rings)
             else:

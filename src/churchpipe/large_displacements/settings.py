@@ -54,10 +54,12 @@ class PathSettings:
         work: where the load does no work, as in a snap, every step would else be a tenth of the one before, until its program
         has no solution in the numbers of a computer. drop: where the load factor falls by more than this share of the first one
         within a step, the place is sought to `located` of it; bend: or, unless the model is large, by this share more than it
-        would along the last step, as when a joint stops sliding or another hinge opens. lengths: times that pairs of programs
-        are begun, each with the length of step of the last motion. open: a joint of a large model that is wider than this share
-        of the step holds nothing as it begins. drift: a gap narrower than this share of the step is one that steps make
-        themselves; forces across wider ones are told as a jump, and hold no stone of a large model where no motion fits.
+        would along the last step, as when a joint stops sliding or another hinge opens. nearer: where a step of a large model is
+        not proved, it is sought from nearer places, the last of them within this share of the step before. lengths: times that
+        pairs of programs are begun, each with the length of step of the last motion. open: a joint of a large model that is wider
+        than this share of the step holds nothing as it begins. drift: a gap narrower than this share of the step is one that
+        steps make themselves; forces across wider ones are told as a jump, and hold no stone of a large model where no motion
+        fits.
 
     Programs of a step:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
@@ -111,6 +113,7 @@ class PathSettings:
     drop: float = 0.1
     bend: float = 0.01
     located: float = 0.1
+    nearer: float = 0.3
     open: float = 0.25
     drift: float = 0.02
     lengths: int = 3
