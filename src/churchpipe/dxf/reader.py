@@ -14,6 +14,7 @@ from churchpipe.dxf.elevation import stones_of_traces
 from churchpipe.dxf.jointing import jointed, unnamed_joints
 from churchpipe.dxf.layer_walls import named_by_layers
 from churchpipe.dxf.laying import laid_stones
+from churchpipe.dxf.merging import with_merged_faces
 from churchpipe.dxf.opening import open_document, without_collecting
 from churchpipe.dxf.properties import decode_properties
 from churchpipe.dxf.reading import Reading
@@ -263,11 +264,13 @@ def read_bodies(stones: Sequence[Stone], unit: float) -> tuple[Body, ...]:
 
 
 def assembled(stones: Sequence[Stone], unit: str, weights: FloatArray, findings: Findings) -> Assemblage:
-    """Return stones in a unit as an assemblage; what keeps it from being one joins the findings of a `FindingsError`."""
+    """Return stones in a unit as an assemblage, the coplanar faces of each merged; what keeps it from being one joins the
+    findings of a `FindingsError`."""
     factor = schema.metres(unit)
+    stones = with_merged_faces([replace(stone, points=stone.points * factor) for stone in stones])
     try:
         return Assemblage.from_polyhedra(
-            [(stone.points * factor, stone.faces) for stone in stones],
+            [(stone.points, stone.faces) for stone in stones],
             weights,
             fixed=[index for index, stone in enumerate(stones) if stone.fixed],
             material=[stone.material for stone in stones],

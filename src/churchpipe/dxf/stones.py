@@ -35,7 +35,8 @@ STRETCH_TOLERANCE = 1e-9
 class Stone:
     """One stone as drawn, in drawing units: points (n, 3), outward faces, and its labels.
 
-    size: side of the square as large as its outline, when that alone was drawn. layer: of a solid without labels.
+    size: side of the square as large as its outline, when that alone was drawn. layer: of a solid without labels. tagged: of the
+    layout that churchpipe writes.
     """
 
     points: FloatArray
@@ -49,6 +50,7 @@ class Stone:
     butts: bool = False
     size: float | None = None
     layer: str = ""
+    tagged: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -338,9 +340,8 @@ def _add_stone(found: Survey, content: Definition, texts: dict[str, str], branch
     )
     found.findings += labels.findings
     name = "/".join((*branch.names, labels.name + suffix))
-    found.stones.append(
-        Stone(points, faces, branch.fixed, place, name, labels.material, labels.panel, labels.course, labels.butts)
-    )
+    own = (labels.material, labels.panel, labels.course, labels.butts)
+    found.stones.append(Stone(points, faces, branch.fixed, place, name, *own, tagged=content.tagged))
 
 
 def _placed(points: FloatArray, faces: Faces, matrix: Matrix) -> tuple[FloatArray, Faces, float]:

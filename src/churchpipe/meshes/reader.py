@@ -35,7 +35,7 @@ from churchpipe.meshes.lmgc90 import read_lmgc90
 from churchpipe.meshes.obj import read_obj
 from churchpipe.meshes.ply import read_ply
 from churchpipe.meshes.rhino import read_3dm
-from churchpipe.meshes.solids import dissolved, parted, to_stones
+from churchpipe.meshes.solids import parted, to_stones
 from churchpipe.meshes.source import MOST_NAMED, Body, Source, refused
 from churchpipe.meshes.stl import read_stl
 from churchpipe.meshes.threedec import read_3dec
@@ -160,8 +160,6 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
     collected = Findings(path.name, tuple(finding.in_metres(1.0) for finding in findings), source.reader)
     if collected.errors or unit is None:
         raise FindingsError(collected, read_bodies(stones, 1.0))
-    merged = dissolved(stones)
-    stones = [replace(stone, points=points, faces=tuple(faces)) for stone, (points, faces) in zip(stones, merged, strict=True)]
     return Drawing(assembled(stones, "m", weights, collected), (), (), collected, unit, unweighted)
 
 

@@ -12,7 +12,6 @@ from churchpipe.dxf.schema import LARGEST_COORDINATE
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding, Place
 from churchpipe.geometry.degenerate import degenerate
-from churchpipe.geometry.dissolve import dissolve
 from churchpipe.geometry.manifolds import manifold, polyhedron
 from churchpipe.geometry.mending import REPAIRS, SPLIT, WELDED, Mended, flat, mend
 from churchpipe.geometry.parts import parts_of
@@ -141,32 +140,6 @@ def to_stones(
         findings.append(Finding("W43", f"{found}: {listed}"))
     findings += left_out({"flat faces that enclose nothing": flats})
     return stones
-
-
-def dissolved(stones: Sequence[Stone]) -> list[tuple[FloatArray, list[Face]]]:
-    """Return points and faces of stones, in m, coplanar faces of each merged and vertices that no face needs left out."""
-    offsets = np.cumsum([0, *(len(stone.points) for stone in stones)])
-    faces = [np.array(face) + o for stone, o in zip(stones, offsets, strict=False) for face in stone.faces]
-    owner = np.repeat(np.arange(len(stones)), [len(stone.faces) for stone in stones])
-    nodes, pointer, first = dissolve(
-        np.concatenate([stone.points for stone in stones]),
-        np.concatenate(faces),
-        np.cumsum([0, *(len(face) for face in faces)]),
-    )
-    merged = np.split(nodes, pointer[1:-1])
-    out: list[tuple[FloatArray, list[Face]]] = []
-    for index, around in enumerate(_grouped(merged, owner[first], len(stones))):
-        used, inverse = np.unique(np.concatenate(around) - offsets[index], return_inverse=True)
-        rings = np.split(inverse.ravel(), np.cumsum([len(face) for face in around])[:-1])
-        out.append((stones[index].points[used], [tuple(ring.tolist()) for ring in rings]))
-    return out
-
-
-def _grouped(faces: list[np.ndarray], owner: np.ndarray, count: int) -> list[list[np.ndarray]]:
-    groups: list[list[np.ndarray]] = [[] for _ in range(count)]
-    for face, index in zip(faces, owner.tolist(), strict=True):
-        groups[index].append(face)
-    return groups
 
 
 def _place(body: Body, points: FloatArray, name: str = "") -> Place:

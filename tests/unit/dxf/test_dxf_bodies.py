@@ -98,3 +98,20 @@ def test_what_lies_on_a_layer_of_ground_is_ground(layer: str, said: bool, how: s
     assert drawing.stones.weight.sum() == pytest.approx(2 * 18e3)
     assert "W12" not in drawing.findings.codes
     assert ("W43" in drawing.findings.codes) == said
+
+
+def test_a_joint_on_a_face_cut_into_triangles_is_one(tmp_path: Path) -> None:
+    """Where fewer than half of the faces are triangles, a joint in two pieces would resist torsion otherwise than a whole one."""
+    ground = mesh_of([box((-1, -1, -0.5), (4, 3, 0.5))])
+    document = new("R2010", units=6)
+    document.layers.add("GROUND")
+    triangles = MeshBuilder()
+    triangles.add_mesh(vertices=ground.vertices, faces=[part for f in ground.faces for part in ((*f[:3],), (f[0], *f[2:]))])
+    triangles.render_mesh(document.modelspace(), dxfattribs={"layer": "GROUND"})
+    for stone in bricks():
+        mesh_of([stone]).render_mesh(document.modelspace())
+    document.saveas(tmp_path / "wall.dxf")
+    stones = read_drawing(tmp_path / "wall.dxf", unit_weight=18e3).stones
+    assert np.diff(stones.block_face_ptr).tolist() == [6] * 7
+    contacts = find_contacts(stones)
+    assert (len(contacts.blocks), len(contacts.point)) == (7 + 3, 4 * (7 + 3))
