@@ -73,6 +73,19 @@ def test_each_member_of_an_array_is_a_tie(tmp_path: Path) -> None:
     assert [tie.end.at for tie in ties] == [pytest.approx((4.0, y, 2.0)) for y in (1.0, 1.5, 2.0)]
 
 
+def test_a_line_turns_with_its_insert_and_its_direction_does_not(tmp_path: Path) -> None:
+    document = ezdxf.readfile(drawn(tmp_path))
+    inserts: Any = document.modelspace().query("INSERT[layer=='CP-LOADS']")
+    between = next(one for one in inserts if one.get_attrib_text("NAME") != "roof")
+    between.add_attrib("THRUST_KN_M", "1")
+    between.add_attrib("TOWARD", "[1, 0, 0]")
+    between.rotate_z(np.pi / 2)
+    document.saveas(tmp_path / "turned.dxf")
+    (_, turned) = read_drawing(tmp_path / "turned.dxf", unit_weight=2e4).line_loads
+    np.testing.assert_allclose(np.array(turned.between), [(-0.5, 4.25, 3.0), (-3.5, 4.25, 3.0)], atol=1e-12)
+    assert np.asarray(turned.toward).tolist() == [1, 0, 0]
+
+
 @pytest.mark.parametrize(
     ("layer", "tag", "text", "said"),
     [
