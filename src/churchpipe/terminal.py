@@ -8,7 +8,6 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any, TextIO
 
-from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
@@ -26,6 +25,7 @@ from churchpipe.model.quantities import in_unit
 from churchpipe.model.swept import friction_of_material
 from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
 from churchpipe.report.table import interval_text
+from churchpipe.text_table import TextTable
 from churchpipe.wording import counted, four_figures
 
 # Between two lines of progress of one stage, seconds: on a terminal, and where each line stays.
@@ -151,7 +151,7 @@ def results_table(summary: Summary) -> Table:
     """Return the analyses of summary.json as a table."""
     analyses = summary.analyses
     title = sizes_words(summary)
-    table = Table(title=title, title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table = TextTable(title)
     both = len({analysis.model for analysis in analyses}) > 1
     swept = [key for key in dict.fromkeys(k for a in analyses for k in a.swept) if not friction_of_material(key)]
     variants = any(analysis.variant for analysis in analyses)
@@ -221,7 +221,7 @@ def mechanism_table(summary: Summary) -> Table | None:
     listed = [one for one in summary.analyses if one.parts or _activated(one)]
     if not listed:
         return None
-    table = Table(title="Mechanisms", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table = TextTable("Mechanisms")
     table.add_column("analysis", overflow="fold")
     if named := any(one.parts for one in listed):
         table.add_column("what moves: share of the motion", overflow="fold")
@@ -247,7 +247,7 @@ def runs_table(folder: Path) -> Table | None:
     runs = [plan.parent for plan in folder.glob("*/plan.json")]
     if not runs:
         return None
-    table = Table(title=f"Runs in {folder}", title_justify="left", title_style="bold", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table = TextTable(f"Runs in {folder}")
     for title in ("run", "when", "analyses", "load factors", "end"):
         table.add_column(title, overflow="fold")
     for run in sorted(runs, key=lambda run: -(run / "plan.json").stat().st_mtime):

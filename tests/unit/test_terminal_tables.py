@@ -52,6 +52,23 @@ def test_frictions_of_single_joints_that_are_swept_have_a_column() -> None:
     assert "0.35" in text
 
 
+@pytest.mark.parametrize("width", [80, 120])
+@pytest.mark.parametrize("variant", [None, "with ties"], ids=["alone", "variants"])
+def test_words_stay_whole(variant: str | None, width: int) -> None:
+    ends = {"load_factor": 0.155032, "interval": [0.1548, 0.1552], "seconds": 1423.4, "status": "not-converged"}
+    records = (
+        analysis(flow="associative", variant=variant, load_factor=0.161234, lower_bound=0.1612, upper_bound=0.161243),
+        analysis(flow="non-associative", contact_model="torsion", variant=variant, **ends),
+        analysis(model="homogenised-shell", method="limit", variant=variant, element_size_mm=300.0),
+    )
+    text = shown(results_table(replace(summary(), analyses=records)), width)
+    words = {word.rstrip(";") for word in text.split()}
+    assert {"associative", "friction", "0.161234", "limit", "0.1552"} <= words
+    for begin, rest in (("non-", "associative,"), ("not-", "converged")):
+        assert begin + rest in words or {begin, rest} <= words
+    assert max(map(len, text.splitlines())) <= width
+
+
 def test_a_long_name_of_a_run_is_whole(tmp_path: Path) -> None:
     name = "church_with_" * 8 + "end"
     (tmp_path / name).mkdir()
