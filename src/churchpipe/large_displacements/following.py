@@ -25,12 +25,13 @@ class Ending:
 
 @dataclass(frozen=True, slots=True)
 class Departure:
-    """The step that a path has left last: its model, how far it went, m per unit of work, and the state that lies so far along it
-    as asked for."""
+    """The step that a path has left last: its model, how far it went, m per unit of work, the state that lies so far along it as
+    asked for, and whether it was proved."""
 
     model: MovingModel
     way: float
     along: Callable[[float], PathState]
+    proved: bool
 
 
 class Steps(Protocol):
@@ -60,8 +61,8 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
     A step is solved on the stones that move and those near to them, so many contacts away (`rings`). Stones that stand still by
     now are held; where a step moves others, it is solved again with more. Where stones fall in it, it is solved again without
     them, unless the structure cannot spare them. Where much is lost on the way to it (`Steps.drops`), it goes half as far, until
-    that place is known to `PATH.located` of a step; so it does in a large model where the step is not proved, until it goes less
-    far than `PATH.nearer` of one. last: the step that led to the state, where it is known.
+    that place is known to `PATH.located` of a step. So it does where a large model has gone from a step that is proved to one
+    that is not, until it goes less far than `PATH.nearer` of a step. last: the step that led to the state, where it is known.
     """
     for _ in range(steps):
         model, state = shrunk(model, state, rings)
@@ -75,7 +76,7 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
             elif not falls and (wider := grown(model, step, rings)) is not None:
                 model, state = wider
             elif last and (
-                (state.way > PATH.nearer * last.way and _unproved(model, step))
+                (state.way > PATH.nearer * last.way and _lost(model, last, step))
                 or (state.way > PATH.located * last.way and not fallen and record.drops(step))
             ):
                 fallen.clear()
@@ -86,14 +87,20 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
             record.fall(each)
         if (ending := _no_further(model, state, step) or record.add(step)) is not None:
             return ending
-        last = Departure(model, step.way, partial(next_state, model, step))
+        last = Departure(model, step.way, partial(next_state, model, step), _proved(step))
         state = next_state(model, step, record.left)
     return Ending("unfinished", "all steps asked for were used up")
 
 
-def _unproved(model: MovingModel, step: PathStep) -> bool:
-    """Return whether a step of a large model is not proved. From a nearer place one often is, as before stones fall together."""
-    return model.large and (step.answer.outcome != "solved" or step.misfit > PATH.fits)
+def _lost(model: MovingModel, last: Departure, step: PathStep) -> bool:
+    """Return whether proof is lost, in a large model, on the way to a step. From a nearer place a step often is proved, as before
+    stones fall together; where that of the nearest one was not, to go less far again would not lead out."""
+    return model.large and last.proved and not _proved(step)
+
+
+def _proved(step: PathStep) -> bool:
+    """Return whether the motion of a step proves it."""
+    return step.answer.outcome == "solved" and step.misfit < PATH.fits
 
 
 def _no_further(model: MovingModel, state: PathState, step: PathStep) -> Ending | None:

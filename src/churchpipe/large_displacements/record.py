@@ -127,7 +127,7 @@ class Record(ABC):
         if len(path.last.velocity) == count and self.reached() is None:
             self.friction_power, self.velocity = path.last.power, path.last.velocity
             led = partial(onward, model, state, path.last.velocity, path.last.onward, self.proofs[-1][2])
-            self.departure = Departure(model, path.last.onward, led)
+            self.departure = Departure(model, path.last.onward, led, self.proofs[-1][2] < PATH.fits)
             return led(self.left)
         for each in (self.poses, self.displacement, self.load_factor, self.largest, self.work, self.proofs):
             each.pop()

@@ -74,6 +74,25 @@ def test_a_large_model_goes_less_far_where_the_next_step_would_not_be_proved(
     assert halved.proved == (shorter > 1)
 
 
+def test_a_large_model_goes_as_far_as_before_where_no_step_is_proved_any_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where proof is lost is known to a quarter of a step; then steps are as long as others, and the curve comes to d0."""
+    stones, contacts = row(20, 4)
+
+    def doubtful(model: MovingModel, state: PathState) -> PathStep:
+        step = solve_state(model, state)
+        gone = np.abs(state.poses.centroid - stones.centroid).max()
+        return replace(step, across=0.02) if gone > 0.1 else step
+
+    taken = cp.block_pushover(stones, contacts, PUSH, 0.6, step=0.03, halo=1)
+    monkeypatch.setattr(following, "solve_state", doubtful)
+    doubted = cp.block_pushover(stones, contacts, PUSH, 0.6, step=0.03, halo=1)
+    assert doubted.status == taken.status == "vanished"
+    assert doubted.d0 == pytest.approx(taken.d0, rel=1e-6)
+    # A quarter of a step is reached in two halvings.
+    assert len(doubted.misfit) <= len(taken.misfit) + 2
+    assert 0 < doubted.largest[doubted.misfit > 0.01][0] - 0.1 < 0.25 * 0.03
+
+
 def test_a_load_that_grows_with_the_height_is_that_of_all_stones() -> None:
     """What is held weighs as much in the profile of the load as what moves."""
     stones, contacts = row(20, 4)
