@@ -9,11 +9,27 @@ NODE_TOLERANCE = 4e-6
 
 
 def clusters(points: FloatArray, tolerance: float = NODE_TOLERANCE) -> IntArray:
-    """Return for each of the points (n, d) the number of its cluster: neighbours closer than the tolerance, m, are one."""
+    """Return for each of the points (n, d) the number of its cluster: neighbours closer than the tolerance, m, are one.
+
+    Clusters are numbered in the order of their first points.
+    """
     # SciPy takes .2 s to load, and many modules need this one that never call it.
     from scipy.spatial import cKDTree
 
-    return components(len(points), cKDTree(points).query_pairs(tolerance, output_type="ndarray"))
+    # Of points at one place, as normals of all stones of a wall are, one stands for all: their pairs would be too many.
+    first, place = _places(points)
+    return components(len(first), cKDTree(points[first]).query_pairs(tolerance, output_type="ndarray"))[place]
+
+
+def _places(points: FloatArray) -> tuple[IntArray, IntArray]:
+    """Return the first point at each place among points (n, d), in their order, and the number of each point's place."""
+    order = np.lexsort(points.T)
+    new = np.append(True, (np.diff(points[order], axis=0) != 0).any(axis=1))[: len(order)]
+    start = order[new]
+    rank = np.argsort(np.argsort(start))
+    place = np.empty_like(order)
+    place[order] = rank[np.cumsum(new) - 1]
+    return np.sort(start), place
 
 
 def components(count: int, pairs: IntArray) -> IntArray:
