@@ -11,9 +11,9 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 
 # A face lies on another if it looks against it to this cosine, and all its corners are near its plane: to the first distance, m,
-# or to a share of its size, as where joints are drawn with little care.
+# or to a share of its size, as where joints are drawn with little care, but no further than the last.
 _AGAINST = 0.99
-_APART, _SHARE = 1e-4, 5e-3
+_APART, _SHARE, _FURTHEST = 1e-4, 5e-3, 5e-3
 
 
 def bare_triangles(stones: Assemblage, faces: IntArray) -> Iterator[tuple[int, FloatArray]]:
@@ -22,7 +22,7 @@ def bare_triangles(stones: Assemblage, faces: IntArray) -> Iterator[tuple[int, F
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
     corner = stones.points[stones.face_nodes]
     low, high = (edge.reduceat(corner, stones.face_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
-    apart = np.maximum(_APART, _SHARE * np.linalg.norm(vector, axis=1) ** 0.5)
+    apart = np.clip(_SHARE * np.linalg.norm(vector, axis=1) ** 0.5, _APART, _FURTHEST)
     for face in faces.tolist():
         near = ((low <= high[face] + apart[face]) & (high >= low[face] - apart[face])).all(axis=1)
         covers = np.flatnonzero(near)

@@ -16,3 +16,11 @@ def test_soil_does_not_press_where_another_wall_lies_against_the_face(gap):
     placed = cp.place_loads(stones, [cp.Pressure("wall", toward="-y", unit_weight=10e3, top=1.8)])
     # A triangle of pressure over the height, on 4 m less the half metre of the other wall.
     np.testing.assert_allclose(placed.dead.sum(axis=0), [0.0, -10e3 * 1.8**2 / 2 * 3.5, 0.0], atol=1e-6)
+
+
+def test_soil_presses_in_a_cavity_however_large_the_stone_beside_it_is():
+    wall, other = box((0.0, 10.0), (0.0, 0.8), (0.0, 6.0)), box((0.0, 10.0), (0.82, 1.2), (0.0, 6.0))
+    ground = box((-1.0, 11.0), (-1.0, 4.0), (-0.5, 0.0))
+    stones = cp.Assemblage.from_polyhedra([ground, wall, other], 19e3, fixed=[0], panel=["", "wall", "other"])
+    placed = cp.place_loads(stones, [cp.Pressure("wall", toward="-y", unit_weight=10e3, top=6.0)])
+    np.testing.assert_allclose(placed.dead.sum(axis=0), [0.0, -10e3 * 6.0**2 / 2 * 10.0, 0.0], atol=1e-6)
