@@ -7,7 +7,7 @@ import numpy as np
 
 from churchpipe.bond.courses import lay_courses
 from churchpipe.bond.field import Field, HorizontalBeds
-from churchpipe.bond.joints import bays, grid_joints, joints_by_bay, stones_in
+from churchpipe.bond.joints import bays, grid_joints, joints_by_bay, laid_length, stones_in
 from churchpipe.bond.tiles import TileSet, leaves_of
 from churchpipe.errors import InputError
 from churchpipe.geometry.planar import centroids
@@ -53,6 +53,13 @@ class HeaderStretcherBond(HorizontalBeds):
             header[own] = ((start < middle[own, None]) & (middle[own, None] < stop)).any(axis=1)
         return leaves_of(faces, ~header)
 
+    def stone_length(self, bay: float) -> float:
+        """Return how long the stretchers of a clear bay are, m."""
+        if self.rule == "grid":
+            return self.cell.b
+        periods = self._periods(bay)
+        return bay / (1 + 1.5 * periods) if periods else laid_length(bay, self.cell.b)
+
     def _joints(self, field: Field, course: int) -> FloatArray:
         through = course % 2 == field.through
         if self.rule == "grid":
@@ -69,7 +76,11 @@ class HeaderStretcherBond(HorizontalBeds):
         through = course % 2 == field.through
         if self.rule == "grid":
             return self._grid(field, through)[1]
-        spans = [start + self._bay(stop - start, through)[1] for start, stop in bays(field) if stop - start > TOLERANCE]
+        spans = [
+            start + self._bay(stop - start, through)[1]
+            for start, stop in bays(field.span, field.zones)
+            if stop - start > TOLERANCE
+        ]
         junctions = field.zones if not through and self.headers != "none" else NO_HEADERS
         return np.concatenate([*spans, junctions])
 
@@ -88,9 +99,8 @@ class HeaderStretcherBond(HorizontalBeds):
 
     def _bay(self, length: float, through: bool) -> tuple[FloatArray, FloatArray]:
         """Return joints and headers of a course in a clear bay of some length, from its start, m."""
-        periods = int(np.floor((length / self.cell.b - 1) / 1.5 + 0.5 + TOLERANCE))
-        if self.headers == "flemish" and periods > 0:
-            unit = length / (1 + 1.5 * periods)
+        periods, unit = self._periods(length), self.stone_length(length)
+        if periods:
             if through:
                 headers = (unit * (np.array([1.0, 1.5]) + 1.5 * np.arange(periods)[:, None])).astype(np.float64)
                 return headers.ravel(), headers
@@ -98,13 +108,16 @@ class HeaderStretcherBond(HorizontalBeds):
             joints = np.concatenate(([0.0], stretchers.ravel(), [length]))
             return joints, joints.reshape(-1, 2)
         count = stones_in(length, self.cell.b)
-        unit = length / float(count)
         if through:
             return (unit * np.arange(0.5, count)).astype(np.float64), NO_HEADERS
         if self.headers == "none":
             return (unit * np.arange(0.0, count + 1)).astype(np.float64), NO_HEADERS
         inside = unit * (0.75 + 0.5 * np.arange(2 * count - 2))
         return np.concatenate(([0.0], inside, [length])), np.array([[0.0, length]])
+
+    def _periods(self, length: float) -> int:
+        """Return how many headers, each with a stretcher, follow the first stretcher of a Flemish bay; none in other bonds."""
+        return max(0, int(np.floor((length / self.cell.b - 1) / 1.5 + 0.5 + TOLERANCE))) if self.headers == "flemish" else 0
 
 
 def check_leaves(panel: Panel, region: BondRegion) -> None:

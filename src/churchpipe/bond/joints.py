@@ -38,8 +38,9 @@ def bay_joints(field: Field, b: float, through: bool, height: float) -> FloatArr
     """
 
     def inside(length: float) -> FloatArray:
-        count = stones_in(length, b)
-        return length / count * (np.arange(0.5, count) if through else np.arange(0.0, count + 1))
+        return laid_length(length, b) * (
+            np.arange(0.5, stones_in(length, b)) if through else np.arange(0.0, stones_in(length, b) + 1)
+        )
 
     def across(zone: FloatArray, start: float, stop: float) -> FloatArray:
         return np.linspace(start, stop, int(np.ceil((zone[1] - zone[0]) / b - LONGER)) + 1)
@@ -60,7 +61,7 @@ def joints_by_bay(
     """
     joints: list[FloatArray] = []
     before, behind = field.zones[:, 0].copy(), field.zones[:, 1].copy()
-    for bay, (start, stop) in enumerate(bays(field)):
+    for bay, (start, stop) in enumerate(bays(field.span, field.zones)):
         if stop - start <= TOLERANCE:
             continue
         own = start + inside(stop - start)
@@ -77,16 +78,21 @@ def joints_by_bay(
     return np.concatenate(joints) if joints else np.empty(0)
 
 
-def bays(field: Field) -> FloatArray:
-    """Return the clear bays (nz + 1, 2) between the junctions of a wall, s in m; a bay may have no length."""
-    low, high = field.span
-    return np.concatenate((np.array([low]), field.zones.ravel(), np.array([high]))).reshape(-1, 2)
+def bays(span: tuple[float, float], zones: FloatArray) -> FloatArray:
+    """Return the clear bays (nz + 1, 2) of a wall from end to end (span) between its junctions (nz, 2), s in m; a bay may have no
+    length."""
+    return np.concatenate((span[:1], zones.ravel(), span[1:])).reshape(-1, 2)
 
 
 def stones_in(length: float, b: float) -> int:
     """Return how many stones of about b m fit into a length; at least one."""
     # Half a stone always rounds up; Python's round would take the even number.
     return max(1, int(np.floor(length / b + 0.5 + LONGER)))
+
+
+def laid_length(length: float, b: float) -> float:
+    """Return how long the stones are, m, that divide a length evenly into as many as fit of about b m."""
+    return length / stones_in(length, b)
 
 
 def _masonry(field: Field, s: FloatArray, height: float) -> BoolArray:

@@ -27,3 +27,10 @@ def bond_of(region: BondRegion) -> Bond:
             if region.centre is None:
                 raise InputError(f"BondRegion {region.name}.centre", "missing", expected="the centre (s, t) of the ring, m")
             return VoussoirRing(region.cell, region.outline, region.centre, region.pieces)
+
+
+def stone_length(region: BondRegion, bay: float) -> float:
+    """Return how long stones are laid in a clear bay, m: b, or with rule "bay" what divides it evenly. bay: its length, m."""
+    bond = bond_of(region)
+    in_courses = isinstance(bond, RunningBond | StackBond | HeaderStretcherBond)
+    return bond.stone_length(bay) if in_courses else region.cell.b

@@ -5,7 +5,7 @@ from typing import Literal
 
 from churchpipe.bond.courses import lay_courses
 from churchpipe.bond.field import Field, HorizontalBeds
-from churchpipe.bond.joints import bay_joints, grid_joints
+from churchpipe.bond.joints import bay_joints, grid_joints, laid_length
 from churchpipe.bond.tiles import TileSet
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import UnitCell
@@ -30,3 +30,7 @@ class RunningBond(HorizontalBeds):
             return grid_joints(field, self.cell.b, self.through_offset if through else self.cut_offset)
 
         return lay_courses(field, self.cell, joints)
+
+    def stone_length(self, bay: float) -> float:
+        """Return how long the stones of a clear bay are, m."""
+        return laid_length(bay, self.cell.b) if self.rule == "bay" else self.cell.b

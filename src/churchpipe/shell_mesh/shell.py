@@ -7,8 +7,10 @@ from functools import reduce
 import numpy as np
 
 from churchpipe.bond.count import check_count
+from churchpipe.bond.junction import wall_junctions
 from churchpipe.bond.parts import part_names
 from churchpipe.bond.patterns import bond_of
+from churchpipe.bond.walls import wall_region
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
 from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters, components
@@ -16,13 +18,14 @@ from churchpipe.geometry.planar import area
 from churchpipe.model.arguments import check_kind, finite
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.building import BondRegion, Building, PlaneChart, Support
+from churchpipe.model.building import Building, PlaneChart, Support
 from churchpipe.model.materials import by_name
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings, with_vaults_on
 from churchpipe.shell_mesh.butt_joints import with_butt_joints
 from churchpipe.shell_mesh.element_count import check_elements, check_longest, vault_elements, wall_elements
+from churchpipe.shell_mesh.laid_stones import laid_lengths
 from churchpipe.shell_mesh.ledges import side_by_side, with_ledges, with_tiers
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
@@ -83,7 +86,9 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
 def _walls(building: Building, bodies: tuple[Assemblage, IntArray] | None, sizes: Mapping[str, float]) -> ShellModel:
     """Return the mid-surfaces of the panels of a building, under its rigid bodies; sizes: of the elements of each, m."""
     levels = tier_levels(building.panels)
-    found = [_wall_shell(tier, bodies, sizes) for tier in (tiers(building, levels) if levels else [building])]
+    junctions = wall_junctions(building.panels, [wall_region(panel) for panel in building.panels], building.junctions)
+    crossed = {panel.name: own.crossed for panel, own in zip(building.panels, junctions, strict=True)}
+    found = [_wall_shell(tier, crossed, bodies, sizes) for tier in (tiers(building, levels) if levels else [building])]
     shell = reduce(side_by_side, (tier for tier, _ in found))
     if bodies:
         bearing = np.concatenate([own for _, own in found])
@@ -92,9 +97,15 @@ def _walls(building: Building, bodies: tuple[Assemblage, IntArray] | None, sizes
 
 
 def _wall_shell(
-    building: Building, bodies: tuple[Assemblage, IntArray] | None, sizes: Mapping[str, float]
+    building: Building,
+    crossed: Mapping[str, FloatArray],
+    bodies: tuple[Assemblage, IntArray] | None,
+    sizes: Mapping[str, float],
 ) -> tuple[ShellModel, IntArray]:
-    """Return the mid-surfaces of the panels of a building without its rigid bodies, and which of these each facet is under."""
+    """Return the mid-surfaces of the panels of a building without its rigid bodies, and which of these each facet is under.
+
+    crossed: where other walls cross each panel, by its name, as the stones are laid.
+    """
     panels, names = with_butt_joints(building)
     bearing = np.empty(0, dtype=np.int64)
     if bodies:
@@ -104,18 +115,15 @@ def _wall_shell(
     counts = [len(mesh.bond) for mesh in meshes]
     points, triangles = _merged(surfaces, meshes)
     facets = [points[part] for part in np.split(triangles, np.cumsum(counts)[:-1])]
-    bonds = [
-        (region.cell.a, region.cell.b, region.yields and region.pattern != "single")
-        for panel in panels
-        for region in panel.regions
-    ]
-    names = np.array(names)
-    _, rank = np.unique(names, return_inverse=True)
-    _, first, cell = np.unique(
-        np.column_stack([[bond[:2] for bond in bonds], rank.ravel()]), axis=0, return_index=True, return_inverse=True
-    )
+    regions = [region for panel in panels for region in panel.regions]
     start = np.cumsum([0] + [len(panel.regions) for panel in panels])
     bond = np.concatenate([mesh.bond + offset for mesh, offset in zip(meshes, start[:-1], strict=True)])
+    course = np.array([region.cell.a for region in regions])[bond]
+    lengths = [laid_lengths(panel, mesh, crossed[panel.name]) for panel, mesh in zip(panels, meshes, strict=True)]
+    names = np.array(names)[bond]
+    _, rank = np.unique(names, return_inverse=True)
+    stone_sizes = np.column_stack([course, np.concatenate(lengths)])
+    _, first, cell = np.unique(np.column_stack([stone_sizes, rank]), axis=0, return_index=True, return_inverse=True)
     weights = {name: material.unit_weight for name, material in by_name(building.materials).items()}
     material = np.array([region.material or panel.material for panel in panels for region in panel.regions])[bond]
     shell = ShellModel(
@@ -124,13 +132,13 @@ def _wall_shell(
         axes=np.concatenate([_axes(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
         thickness=np.repeat([panel.thickness for panel in panels], counts),
         surface_weight=np.array([weights[name] for name in material.tolist()])
-        * np.concatenate([_thickness_carried(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
-        cell=cell.ravel()[bond],
-        unit_cells=np.array([bond[:2] for bond in bonds])[first],
+        * np.concatenate([_thickness_carried(*part) for part in zip(surfaces, meshes, facets, lengths, strict=True)]),
+        cell=cell.ravel(),
+        unit_cells=stone_sizes[first],
         bonds=names[first],
         material=material,
         panel=np.concatenate([part_names(p, m.corners.mean(axis=1)) for p, m in zip(panels, meshes, strict=True)]),
-        yields=np.array([bond[2] for bond in bonds])[bond],
+        yields=np.array([region.yields and region.pattern != "single" for region in regions])[bond],
         supported=_supported(building, points),
     )
     return shell, bearing[bond] if bodies else bearing
@@ -225,23 +233,21 @@ def _axes(surface: MidSurface, mesh: Mesh, facets: FloatArray) -> FloatArray:
     return np.stack([bed, np.cross(normal, bed), normal], axis=1)
 
 
-def _thickness_carried(surface: MidSurface, mesh: Mesh, facets: FloatArray) -> FloatArray:
-    """Return for each facet the volume of stones it carries over its own area (nt,) m."""
+def _thickness_carried(surface: MidSurface, mesh: Mesh, facets: FloatArray, length: FloatArray) -> FloatArray:
+    """Return for each facet the volume of stones it carries over its own area (nt,) m; length (nt,) m: of these stones."""
     carried = surface.panel.thickness * weight_factors(surface, mesh.corners)
     chart = surface.panel.chart
     if isinstance(chart, PlaneChart):
         return carried
     # Stones of a curved wall are straight from joint to joint (the joints of two courses in running bond), so of each sector
-    # of angle x they fill sin(x) / x; and a facet is shorter than the arc whose stones it carries.
-    angle = np.array([_sector(region, surface.panel.regions[0]) for region in surface.panel.regions])[mesh.bond] / chart.radius
+    # of angle x they fill sin(x) / x; and a facet is shorter than the arc whose stones it carries. Voussoirs are cut out of the
+    # wall around them.
+    main, *_ = regions = surface.panel.regions
+    cut = np.array([region.pattern == "voussoir" for region in regions])
+    halved = np.array([(main if out else region).pattern == "running" for region, out in zip(regions, cut, strict=True)])
+    angle = np.where(cut[mesh.bond], main.cell.b, length) * np.where(halved[mesh.bond], 0.5, 1.0) / chart.radius
     cross = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
     return carried * np.sinc(angle / np.pi) * signed_areas(mesh.corners) / (0.5 * np.linalg.norm(cross, axis=1))
-
-
-def _sector(region: BondRegion, wall: BondRegion) -> float:
-    # Voussoirs are cut out of the wall around them.
-    of = wall if region.pattern == "voussoir" else region
-    return of.cell.b / 2 if of.pattern == "running" else of.cell.b
 
 
 def _supported(building: Building, points: FloatArray) -> BoolArray:
