@@ -29,10 +29,10 @@ def meshed() -> tuple[cp.ShellModel, Case]:
 @pytest.mark.parametrize(
     ("name", "planes", "ours", "blocks"),
     [
-        ("+x", "cell", 0.19891, 0.2207),
-        ("-y", "cell", 0.20678, 0.2340),
-        ("tower +x", "cell", 0.31844, 0.4029),
-        ("-y", "paper", 0.20847, 0.2340),
+        ("+x", "cell", 0.19943, 0.2207),
+        ("-y", "cell", 0.20572, 0.2340),
+        ("tower +x", "cell", 0.31986, 0.4029),
+        ("-y", "paper", 0.20734, 0.2340),
     ],
 )
 def test_limit_loads(name: str, planes: str, ours: float, blocks: float) -> None:
@@ -52,7 +52,7 @@ def test_the_bounds_of_the_church_meet_as_closely_as_the_solver_aims() -> None:
     load = next(load for load in case.loads if load.name == "+x")
     state = cp.shell_limit_analysis(shell, load, case.materials, membrane="CST")
     assert (state.status, state.message) == ("optimal", "")
-    assert state.lower_bound == pytest.approx(0.22869497, rel=LIMIT.duality_gap)
+    assert state.lower_bound == pytest.approx(0.22948440, rel=LIMIT.duality_gap)
     assert 0 <= state.upper_bound - state.lower_bound <= LIMIT.duality_gap * state.lower_bound
     assert state.iterations <= 30
 
@@ -64,4 +64,4 @@ def test_without_a_bound_on_the_twisting_moment_the_mechanism_along_x_is_missed(
     load = next(load for load in case.loads if load.name == "+x")
     state = cp.shell_limit_analysis(shell, load, case.materials, planes="paper")
     assert state.status == "optimal"
-    assert state.load_factor == pytest.approx(0.30328, abs=2e-5)
+    assert state.load_factor == pytest.approx(0.30471, abs=2e-5)
