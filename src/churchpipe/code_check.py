@@ -1,6 +1,7 @@
 """From a load factor to the safety check of the Italian code: NTC 2018 with the Circolare of 21.1.2019 n. 7, C8.7.1.2."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
@@ -241,6 +242,11 @@ def verified(found: SafetyCheck, site: Site) -> SafetyCheck:
     )
 
 
+def is_horizontal(direction: Sequence[float] | FloatArray) -> bool:
+    """Return whether a load (3,) has no vertical component, without which it stands for no earthquake."""
+    return abs(direction[2]) <= 1e-9
+
+
 def along(direction: FloatArray, velocities: FloatArray) -> FloatArray:
     """Return the horizontal displacements (..., nb) along a load's direction (3,); velocities (..., nb, 6) or (..., nb, 3).
 
@@ -248,6 +254,6 @@ def along(direction: FloatArray, velocities: FloatArray) -> FloatArray:
     ------
     InputError: the load is not horizontal, so that it stands for no earthquake.
     """
-    if abs(direction[2]) > 1e-9:
+    if not is_horizontal(direction):
         raise InputError("check", "the load is not horizontal", found=np.round(direction, 6).tolist(), expected="no z component")
     return velocities[..., :2] @ direction[:2]

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from churchpipe.code_check import is_horizontal
 from churchpipe.io.records import Analysis
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.checks import SafetyCheck
@@ -170,7 +171,9 @@ def _sampled(
     checks = [record.check if record and record.check else SafetyCheck() for record in records]
     made = [check.a_g for check in checks if check.satisfied is not None]
     ground = None
-    if made:
+    # A sample that falls under its own weight has a check whatever the load, and those that stand have none under a load that is
+    # no earthquake: the fallen ones would be taken for all.
+    if made and is_horizontal(asis.direction):
         # What the code asks may be sampled, too: the question is of what it asks in the case.
         site = asis.check.a_g if asis.check and np.isfinite(asis.check.a_g) else made[0]
         capacity = [_capacity(record, check.a_g_slv) for record, check in zip(records, checks, strict=True)]

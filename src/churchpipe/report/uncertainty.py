@@ -116,7 +116,11 @@ def _row(one: SampledAnalysis) -> list[str]:
 
 
 def _left_out(one: SampledAnalysis) -> list[str]:
-    return [f"{count} without a result ({status})" for status, count in one.without_result.items()]
+    """Return how many samples the mechanisms, the histogram and the points lack, in words."""
+    # The summary has no number for what has no limit.
+    unlimited = one.count - int(np.isfinite(np.array(one.load_factors)).sum())
+    lost = [f"{count} without a result ({status})" for status, count in one.without_result.items()]
+    return ([f"{unlimited} with no limit"] if unlimited else []) + lost
 
 
 def _ranked(one: SampledAnalysis) -> list[tuple[str, float]]:

@@ -131,6 +131,9 @@ def test_samples_that_fall_under_their_own_weight_or_bear_anything_are_in_the_lo
     assert section is not None
     # All finite load factors are in the histogram.
     assert "falls under its own weight" in section["shown"][0]["spread"]
+    # The one that bears any load is in none of the pictures, and is counted beside them.
+    assert section["rows"][0][-1] == "1 with no limit"
+    assert "; 1 with no limit." in uncertainty_lines(study, [Row(asis)])[0]
 
 
 def test_samples_whose_stones_fall_before_anything_pushes_bear_nothing() -> None:
@@ -168,3 +171,20 @@ def test_the_ground_acceleration_asked_is_that_of_the_case_where_samples_have_ot
     assert one.ground_acceleration is not None
     (answer,) = one.ground_acceleration.demands
     assert (answer.demand, answer.probability) == (1.5, 0.5)
+
+
+def test_samples_that_fall_are_not_all_that_a_load_that_is_no_earthquake_is_asked_about() -> None:
+    # Aslant downwards: the code has a check for the one sample that does not stand, and none for those that do.
+    fallen = SafetyCheck(a_g=1.0, a_g_slv=0.0, zeta_e=0.0, satisfied=False)
+    spared = SafetyCheck(a_g=1.0, message="the load is not horizontal")
+    for down, counted in ((-1.0, None), (0.0, 1)):
+        asis = replace(analysis(name="aslant", load="aslant", load_factor=0.2), direction=(1.0, 0.0, down), check=spared)
+        lost = replace(asis, load_factor=np.nan, status="unstable", check=fallen)
+        made = {"1": Sample((lost,)), "2": Sample((asis,)), "3": Sample((replace(asis, load_factor=0.3),))}
+        sample = {
+            "settings": {"number": 3, "seed": 0, "method": "sobol", "parameters": [PARAMETER], "demands": []},
+            "names": list(made),
+            "points": {"material.default.friction": [0.4, 0.5, 0.6]},
+        }
+        (one,) = sample_study(sample, made, [asis]).analyses
+        assert (one.ground_acceleration and one.ground_acceleration.count) == counted
