@@ -10,13 +10,18 @@ import numpy.typing as npt
 
 from churchpipe.errors import Extra
 from churchpipe.io.atomic import replacing
-from churchpipe.model.arrays import IntArray, NameArray
+from churchpipe.model.arrays import BoolArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 
 
-def write_vtu(path: str | Path, stones: Assemblage, velocities: npt.ArrayLike | None = None) -> None:
-    """Write the stones as polyhedral cells, with the data of `stones_mesh` and `name`, `panel_name`, `material_name`."""
-    mesh, order = _mesh(stones, velocities)
+def write_vtu(
+    path: str | Path, stones: Assemblage, velocities: npt.ArrayLike | None = None, fallen: BoolArray | None = None
+) -> None:
+    """Write the stones as polyhedral cells, with the data of `stones_mesh` and `name`, `panel_name`, `material_name`.
+
+    fallen (nb,): cell data of that name, 1 of stones that have fallen.
+    """
+    mesh, order = _mesh(stones, velocities, fallen)
     names = {"name": stones.block_id, "panel_name": stones.panel, "material_name": stones.material}
     write_named(path, mesh, {key: values[order] for key, values in names.items()})
 
@@ -48,7 +53,7 @@ def stones_mesh(stones: Assemblage, velocities: npt.ArrayLike | None = None) -> 
     return _mesh(stones, velocities)[0]
 
 
-def _mesh(stones: Assemblage, velocities: npt.ArrayLike | None) -> tuple[Any, IntArray]:
+def _mesh(stones: Assemblage, velocities: npt.ArrayLike | None, fallen: BoolArray | None = None) -> tuple[Any, IntArray]:
     """Return the mesh of the stones, and the stones in the order of its cells."""
     with Extra("a file for ParaView"):
         import meshio
@@ -62,6 +67,8 @@ def _mesh(stones: Assemblage, velocities: npt.ArrayLike | None) -> tuple[Any, In
         "material": np.unique(stones.material, return_inverse=True)[1].astype(np.int64),
         "unit_weight": stones.unit_weight,
     }
+    if fallen is not None:
+        cell_data["fallen"] = fallen.astype(np.int64)
     point_data: dict[str, Any] = {}
     if velocities is not None:
         motion = np.nan_to_num(np.asarray(velocities, dtype=float))

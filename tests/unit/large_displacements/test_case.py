@@ -212,6 +212,26 @@ def test_the_path_for_paraview(tmp_path: Path, curve: BlockCapacityCurve) -> Non
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("travel", ["grows", "goes back", "stands still"])
+def test_the_files_for_paraview_have_times_in_their_order(tmp_path: Path, curve: BlockCapacityCurve, travel: str) -> None:
+    # Viewers sort files by their times, and show those of one time together.
+    steps = len(curve.displacement)
+    gone = {"grows": curve.displacement, "goes back": -curve.displacement, "stands still": np.zeros(steps)}[travel]
+    write_path(tmp_path / "path.pvd", BLOCK, replace(curve, displacement=gone))
+    reader = pyvista.PVDReader(tmp_path / "path.pvd")
+    expected = curve.displacement[frames(steps)] if travel == "grows" else frames(steps) + 1
+    assert [part.time for part in reader.datasets] == pytest.approx(expected)
+    assert reader.time_values == sorted(part.time for part in reader.datasets)
+
+
+def test_the_files_for_paraview_say_which_stones_have_fallen(tmp_path: Path, curve: BlockCapacityCurve) -> None:
+    falls = replace(curve.until(3), fallen=(FallenStones(float(curve.displacement[1]), np.array([1])),))
+    write_path(tmp_path / "path.pvd", BLOCK, falls)
+    found = [pyvista.read(tmp_path / f"path_0{step}.vtu") for step in range(4)]
+    by_stone = [dict(zip(mesh["stone"].tolist(), mesh["fallen"].tolist(), strict=True)) for mesh in found]
+    assert by_stone == [{0: 0, 1: gone} for gone in (0, 0, 1, 1)]
+
+
 def test_the_motion_for_paraview_leads_to_the_next_step(tmp_path: Path, curve: BlockCapacityCurve) -> None:
     # A tenth of a radian: past half a turn, where vectors of rotation jump, and about another axis than before.
     turns = (
