@@ -1,6 +1,6 @@
 """The shell for ParaView and for Gmsh."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +65,10 @@ def _write(path: str | Path, shell: ShellModel, of_nodes: Mapping[str, Any], of_
 
 
 def write_shell_msh(path: str | Path, shell: ShellModel) -> None:
-    """Write the facets for Gmsh (format 2.2): a physical surface a panel, the data of `write_shell_vtu` as views."""
+    """Write the facets for Gmsh (format 2.2): a physical surface a panel, the data of `write_shell_vtu` as views.
+
+    Names have an apostrophe in the place of a double quote, which would end them.
+    """
     with Extra("a file for ParaView or Gmsh"):
         import meshio
 
@@ -73,10 +76,19 @@ def write_shell_msh(path: str | Path, shell: ShellModel) -> None:
     panels, number = np.unique(shell.panel, return_inverse=True)
     group = (number + 1).astype(np.int32)
     mesh = _mesh(shell, point_data, cell_data | {"gmsh:physical": group, "gmsh:geometrical": group})
-    mesh.field_data = {str(name): np.array([row + 1, 2]) for row, name in enumerate(panels)}
+    for row, name in enumerate(panels):
+        mesh.field_data[_quoted(str(name), mesh.field_data)] = np.array([row + 1, 2])
     with replacing(path) as part:
         # Binary: meshio's text form spells NumPy 2 numbers in a way that no reader takes.
         meshio.gmsh.write(part, mesh, fmt_version="2.2", binary=True)
+
+
+def _quoted(name: str, others: Container[str]) -> str:
+    """Return a name as it may stand between double quotes, another one than those given."""
+    name = name.replace('"', "'")
+    while name in others:
+        name += "'"
+    return name
 
 
 def shell_mesh(shell: ShellModel) -> Any:

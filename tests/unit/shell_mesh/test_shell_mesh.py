@@ -347,6 +347,19 @@ def test_vtu_and_msh_carry_the_bed_direction(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["shell.msh", "shell.vtu"]
 
 
+def test_names_with_quotes_are_whole_in_the_file_for_gmsh(tmp_path):
+    shell = derive_shell(prototype(**S5), 0.3)
+    named = {"main": 'the "old" wall', "partition-1": 'wall of 12"', "partition-2": "wall of 12'"}
+    renamed = replace(shell, panel=np.array([named[name] for name in shell.panel.tolist()]))
+    write_shell_msh(tmp_path / "shell.msh", renamed)
+    mesh = meshio.read(tmp_path / "shell.msh")
+    assert set(mesh.field_data) == {"the 'old' wall", "wall of 12'", "wall of 12''"}
+    # Names that were two stay two, each with its own facets.
+    of_group = {number: name for name, (number, _) in mesh.field_data.items()}
+    groups = [of_group[number] for number in mesh.cell_data["gmsh:physical"][0].tolist()]
+    assert len(set(zip(groups, shell.panel.tolist(), strict=True))) == 3
+
+
 def test_the_strain_of_as_many_facets_as_nodes_is_one_of_facets(tmp_path):
     shell = derive_shell(wall(length=1.5, brick=(0.5, 0.3, 0.25), courses=4), 0.5)
     more = len(shell.triangles) - len(shell.points)
