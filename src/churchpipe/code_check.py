@@ -70,8 +70,8 @@ class Floor:
     def __post_init__(self) -> None:
         check_ranges(self, "check: ")
         if not 0 <= self.height <= self.building_height:
-            expected = f"from 0 to the building's height of {float(self.building_height):g} m"
-            raise InputError("check: height Z of the mechanism", "out of range", found=self.height, expected=expected)
+            expected = f"from 0 to the building_height of {float(self.building_height):g} m"
+            raise InputError("check: height", "out of range", found=self.height, expected=expected)
         doubt_fields(self)
 
     @property

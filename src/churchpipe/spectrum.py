@@ -122,11 +122,14 @@ class TabulatedSpectrum:
     def __post_init__(self) -> None:
         positive("TabulatedSpectrum.ground", self.ground)
         period = floats("TabulatedSpectrum.period", self.period, (None,))
-        level = floats("TabulatedSpectrum.level", self.level, (len(period),))
+        level = floats("TabulatedSpectrum.level", self.level, (None,))
         store(self, period=tuple(period.tolist()), level=tuple(level.tolist()))
         if len(period) < 2 or period[0] < 0 or not (np.diff(period) > 0).all():
             expected = "two periods >= 0 or more, each greater than the one before"
             raise InputError("TabulatedSpectrum.period", "not rising", found=period.tolist(), expected=expected)
+        if len(level) != len(period):
+            expected = f"one for each of the {len(period)} periods"
+            raise InputError("TabulatedSpectrum.level", "wrong shape", found=len(level), expected=expected)
         if not (level > 0).all():
             raise InputError("TabulatedSpectrum.level", "out of range", found=float(level.min()), expected="> 0")
 
@@ -203,7 +206,11 @@ class SiteSpectrum:
                 found=self.topography,
                 expected="soil with it; a table and soil_factor of [check] have the topography in them",
             )
-        self.of(1.0, 1.0)
+        try:
+            self.of(1.0, 1.0)
+        except InputError as error:
+            # The fields of both spectra have the names of those here, which are keys of the case.
+            raise error.at(f"spectrum: {error.where.rpartition('.')[2]}") from error
         doubt_fields(self)
 
     def of(self, ground: float, soil_factor: float | None) -> Spectrum | TabulatedSpectrum:

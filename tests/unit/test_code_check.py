@@ -184,5 +184,5 @@ def test_a_site_out_of_range(values: tuple[float, ...], problem: str) -> None:
 
 
 def test_a_mechanism_above_the_building_is_an_error() -> None:
-    with pytest.raises(InputError, match="height Z"):
+    with pytest.raises(InputError, match="check: height: out of range; found 13; expected from 0 to the building_height of 12 m"):
         Floor(height=13, building_height=12, storeys=2, spectral_acceleration=5)

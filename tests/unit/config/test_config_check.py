@@ -38,7 +38,7 @@ def test_the_check_is_read_in_either_unit(tmp_path: Path) -> None:
         (
             "a_g_m_s2 = 1.5\nsoil_factor = 1.2\nfloor = { height_m = 9, building_height_m = 8, storeys = 1, "
             "spectral_acceleration_m_s2 = 3 }",
-            "check.floor: out of range; found 9",
+            "check.floor.height_m: out of range; found 9",
         ),
     ],
 )
@@ -95,9 +95,26 @@ def test_a_storey_shaken_in_proportion_to_the_ground(tmp_path: Path) -> None:
         ("soil_factor = 1.2", "F0 = 2.5\nTC_star = 0.3", 'Did you mean "TC_star_s"?'),
         ("soil_factor = 1.2", "periods_s = [0.5, 0.5]\naccelerations_m_s2 = [1, 2]", "not rising"),
         ("soil_factor = 1.2", "periods_s = [0.0, 0.5]\naccelerations_m_s2 = [1]", "wrong shape"),
+        (
+            "soil_factor = 1.2",
+            "periods_s = [0.0, 0.5, 2.0]\naccelerations_m_s2 = [1, 2]",
+            "check.spectrum.accelerations_m_s2: wrong shape; found 2; expected one for each of the 3 periods",
+        ),
+        ("soil_factor = 1.2", "periods_s = []\naccelerations_m_s2 = [1]", "check.spectrum.periods_s: not rising; found []"),
+        ("soil_factor = 1.2", "periods_s = [1, 0]\naccelerations_m_s2 = [1, 2]", "check.spectrum.periods_s: not rising"),
+        ("soil_factor = 1.2", "F0 = 1e-300\nTC_star_s = 0.3", "check.spectrum.F0: lost to rounding; found 1e-300"),
+        ("soil_factor = 1.2", "F0 = 2.5\nTC_star_s = 1e-300", "check.spectrum.TC_star_s: lost to rounding; found 1e-300"),
     ],
 )
 def test_a_spectrum_that_says_too_little_or_too_much(check: str, spectrum: str, said: str, tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
         spectrum_case(tmp_path, check, spectrum)
+    assert said in str(error.value)
+
+
+def test_a_mechanism_above_the_building_is_said_by_its_key(tmp_path: Path) -> None:
+    floor = "[check.floor]\nheight_m = 13\nbuilding_height_m = 12\nstoreys = 2\nspectral_acceleration_m_s2 = 5\n"
+    with pytest.raises(InputError) as error:
+        read_case(case_file(tmp_path, f"{WALL}[check]\na_g_m_s2 = 1.5\nsoil_factor = 1.2\n{floor}"))
+    said = "check.floor.height_m: out of range; found 13.0; expected from 0 to the building_height_m of 12 m."
     assert said in str(error.value)
