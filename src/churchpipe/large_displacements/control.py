@@ -79,9 +79,7 @@ def control_of(stones: Assemblage, load: LoadCase, control: npt.ArrayLike | None
     point = floats(where, control, (3,))
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_point_ptr))
     free = np.flatnonzero(~stones.fixed[owner])
-    distance = np.linalg.norm(stones.points[free] - point, axis=1)
     low, high = stones.points[free].min(axis=0), stones.points[free].max(axis=0)
-    stone = int(owner[free[np.argmin(distance)]])
     if ((point < low - 1e-6) | (point > high + 1e-6)).any():
         raise InputError(
             where,
@@ -89,4 +87,5 @@ def control_of(stones: Assemblage, load: LoadCase, control: npt.ArrayLike | None
             found=point.tolist(),
             expected=f"a point between {low.round(4).tolist()} and {high.round(4).tolist()} m",
         )
+    stone = int(owner[free[np.argmin(np.linalg.norm(stones.points[free] - point, axis=1))]])
     return ControlPoint(stone, point - stones.centroid[stone], load.direction)

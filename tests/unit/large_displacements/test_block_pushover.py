@@ -12,6 +12,7 @@ from churchpipe.errors import InputError
 from churchpipe.generators import wall
 from churchpipe.io.npz import read_npz, write_npz
 from churchpipe.large_displacements import pushover
+from churchpipe.large_displacements.control import control_of
 from models import ferris_tin_loi_wall
 from solids import box, on_ground
 
@@ -147,6 +148,12 @@ def test_control_point() -> None:
     assert mean.displacement == pytest.approx(np.sin(turn) + 0.25 * (1 - np.cos(turn)), abs=1e-8)
     # The pivot is the corner at (.5, 0): the corner at (.5, 2) is straight above it.
     assert mean.d0 == pytest.approx(0.25, abs=1e-6)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_control_point_far_beyond_everything_is_refused_without_a_warning() -> None:
+    with pytest.raises(InputError, match="control: a point outside the free stones"):
+        control_of(BLOCK, PUSH, (1e300, 0, 0))
 
 
 def test_a_control_point_that_stands_still_is_told() -> None:
