@@ -231,7 +231,9 @@ def _governs(found: LimitStateCapacity, force: SafetyCheck, *, cut: bool) -> str
             "proof. Shorter steps may prove more."
         )
     elif found.governed == "onset":
-        why = f"{reach}, so little that it falls as soon as it starts, and q promises a reserve that it has not."
+        # With q = 1 both checks ask when the motion starts.
+        promise = ", and q promises a reserve that it has not" if found.ground < other * (1 - 1e-6) else ""
+        why = f"{reach}, so little that it falls as soon as it starts{promise}."
     elif found.ground < other:
         why = f"{reach}, less than q takes for granted, so the check with q alone is not safe here."
     else:

@@ -161,6 +161,19 @@ def test_what_does_not_even_start_to_move() -> None:
     assert found.ground == pytest.approx(0.1 * GRAVITY / (1.35 * 1.2), rel=1e-6)
 
 
+def test_a_check_without_q_promises_no_reserve() -> None:
+    small = on_ground(box((0, 0.03), (0, 0.1), (0, 0.3)))
+    curve = cp.block_pushover(small, cp.find_contacts(small), PUSH, 0.7, step=0.003)
+    both = {q: displacement_check(curve, small, PUSH, replace(SITED, behaviour_factor=q)) for q in (1.0, 2.0)}
+    for q, check in both.items():
+        assert check.limit_states["SLV"].governed == "onset"
+        assert check.force_based is not None
+        assert check.force_based.a_g_slv == pytest.approx(q * check.a_g_slv, rel=1e-6)
+    assert "and q promises a reserve that it has not" in both[2.0].governs
+    # With q = 1 both are the acceleration that starts the motion.
+    assert both[1.0].governs.endswith("so little that it falls as soon as it starts.")
+
+
 def test_bad_input() -> None:
     displacement, load_factor = rocking(0.5, 4)
     one = np.ones(1)
