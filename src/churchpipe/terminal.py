@@ -354,7 +354,7 @@ def _movement(record: Movement) -> str:
     (ultimate, unit), (places, _) = in_unit(record, "ultimate"), in_unit(record, "displacement")
     # Of a path that nothing ended the last movement is known, of a support that did not move at all not even that.
     far = ultimate if math.isfinite(ultimate) else next(iter(places[-1:]), 0.0)
-    widest = "".join(f"{1e3 * crack.opening:.3g} mm in {crack.wall}" for crack in record.cracks[:1] if crack.opening > _SHUT)
+    widest = "".join(f"{1e3 * crack.opening:.3g} mm in {crack.place}" for crack in record.cracks[:1] if crack.opening > _SHUT)
     name = named_of(record.movement, record.variant, record.swept)
     end = ENDINGS.get(record.ending, record.ending)
     return f"Support {name}: at {far:.4g} {unit} {end}; widest crack {widest or 'none'}{_reaction(record)}"

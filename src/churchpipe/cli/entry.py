@@ -37,7 +37,10 @@ def main() -> NoReturn:
     except UnicodeEncodeError as error:
         # Of a name that the system gave as bytes, Python has those that are no text as surrogates.
         if not "\udc80" <= error.object[error.start] <= "\udcff":
-            raise
+            found = error.object[error.start : error.end].encode("ascii", "backslashreplace").decode()
+            problem = f"The terminal or the file system is set to {error.encoding}, which cannot write everything here"
+            err.print(f"{problem}; found {found}. Set LC_ALL=C.UTF-8 and PYTHONIOENCODING=utf-8.", style="red", soft_wrap=True)
+            raise SystemExit(USAGE) from None
         begin = error.object.rfind("\n", 0, error.start) + 1
         name = error.object[begin:].partition("\n")[0].encode(errors="surrogateescape").decode(errors="backslashreplace")
         problem = "The name of a file or a folder is not in UTF-8, as after unpacking an archive of another system"

@@ -34,6 +34,11 @@ class Crack:
     opening: Annotated[float, Quantity("_mm")]
     slip: Annotated[float, Quantity("_mm")]
 
+    @property
+    def place(self) -> str:
+        """The wall, or what stands in none, as stones of a mesh do."""
+        return self.wall or "stones of no wall"
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Movement:

@@ -41,7 +41,7 @@ def _shown(record: Movement, stones: Assemblage, contacts: Contacts, path: Settl
     name = named_of(record.movement, record.variant, record.swept)
     if not len(path.movement):
         return MovementShown(name, f"It could not be moved: {path.message or path.status}.", "", [], [])
-    rows = [[crack.wall, figure(1e3 * crack.opening, 1), figure(1e3 * crack.slip, 1)] for crack in record.cracks]
+    rows = [[crack.place, figure(1e3 * crack.opening, 1), figure(1e3 * crack.slip, 1)] for crack in record.cracks]
     maps = _maps(record, stones, contacts, path)
     return MovementShown(name, _sentence(record, path), _reaction_svg(record), rows, maps)
 

@@ -629,6 +629,10 @@ def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFi
     shut = movement | {"cracks": [{"wall": "nave", "opening_mm": 6e-6, "slip_mm": 0.0}]}
     write_json(tmp_path / "summary.json", summary | {"movements": [shut]})
     assert "widest crack none" in call(capsys, "show", tmp_path)[1]
+    # Stones of a mesh stand in no wall.
+    loose = movement | {"cracks": [{"wall": "", "opening_mm": 30.0, "slip_mm": 0.0}]}
+    write_json(tmp_path / "summary.json", summary | {"movements": [loose]})
+    assert "widest crack 30 mm in stones of no wall; as it" in call(capsys, "show", tmp_path)[1]
     # One support of several buildings or strengths says of which it is.
     other = unfinished | {"variant": "tied", "swept": {"material.default.friction": 0.5}}
     write_json(tmp_path / "summary.json", summary | {"movements": [other]})
@@ -965,6 +969,23 @@ def test_a_terminal_that_is_closed_interrupts_but_for_nohup(
     finally:
         for number, handler in known.items():
             signal.signal(number, handler)
+
+
+@pytest.mark.parametrize(("encoding", "found"), [("latin-1", r"\u2013"), ("ascii", r"\xfc")])
+def test_a_terminal_that_cannot_write_a_name_is_said(
+    encoding: str, found: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def app() -> None:
+        "nave s\u00fcd \u2013 \u03b1".encode(encoding)
+
+    monkeypatch.setattr(entry, "app", app)
+    monkeypatch.setattr("signal.signal", lambda *_: None)
+    with pytest.raises(SystemExit) as ended:
+        entry.main()
+    assert ended.value.code == 2
+    error = capsys.readouterr().err
+    assert f"found {found}. Set LC_ALL=C.UTF-8" in error.replace("\n", " ")
+    assert error.isascii()
 
 
 def test_a_folder_whose_name_is_no_text_is_said(

@@ -62,3 +62,18 @@ def test_a_support_resists_or_is_pushed(least: float, first: float, report: str,
     assert report in shown.sentence
     assert ("is \u22122 kN, below zero" in shown.sentence) == (least < 0 < first)
     assert any(terminal in line for line in remarks(replace(summary(), movements=(record,))))
+
+
+def test_cracks_of_stones_that_stand_in_no_wall_say_so() -> None:
+    # Stones of a mesh have no walls.
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)), unit_weight=2e4)
+    gone, none = np.array([0.0, 0.03]), np.zeros((2, stones.count, 3))
+    path = SettlementPath(
+        movement=gone, reaction=np.zeros(2), least=0.0, status="unfinished", position=np.stack([stones.centroid] * 2),
+        rotation=none, largest=gone, residual=gone, violation=gone, misfit=gone, dissipation=gone,
+    )  # fmt: skip
+    moved = {"movement_mm": [0.0, 30.0], "reaction_kN": [0.0, 0.0], "least_reaction_kN": 0.0, "steps": 2}
+    cracks = [{"wall": "", "opening_mm": 30.0, "slip_mm": 0.0}, {"wall": "nave", "opening_mm": 2.0, "slip_mm": 0.0}]
+    record = as_read(Shift, RECORD | moved | {"cracks": cracks})
+    (shown,) = movements_shown([(record, stones, find_contacts(stones), path)])
+    assert [row[0] for row in shown.rows] == ["stones of no wall", "nave"]
