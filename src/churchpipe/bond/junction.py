@@ -56,9 +56,9 @@ class Crossing:
 def crossings(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequence[Junction] = ()) -> list[Crossing]:
     """Return the crossings of walls in pairs, found from their footprints: corners, T-junctions, X-junctions, legs of an apse.
 
-    Where both walls exist at a height, the stones of the junction belong to one of them, its owner: a wall with `runs_through`
-    None, else the wall whose parity is that of the course, else the one listed first. Where only one wall fills the whole
-    junction, it is the owner.
+    Where both walls exist at a height, the stones of the junction belong to one of them, its owner: the wall whose `filled` has
+    them, where either wall has any there; a wall with `runs_through` None, else the wall whose parity is that of the course, else
+    the one listed first. Where only one wall fills the whole junction, it is the owner.
 
     Parameters
     ----------
@@ -94,7 +94,9 @@ def crossings(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequ
                 remedy="Keep openings and slopes of one of the walls out of the junction.",
             )
         declared = next((one for one in junctions if set(one.walls) == {panels[i].name, panels[j].name}), None)
-        by_rule = _first_owns(panels[i], panels[j], declared, course)
+        by_rule = _first_fills(panels[i], panels[j], spans, levels)
+        if by_rule is None:
+            by_rule = _first_owns(panels[i], panels[j], declared, course)
         owner = np.where(both, np.where(np.where(whole[0] == whole[1], by_rule, whole[0]), 0, 1), -1)
         dry = np.zeros(len(course), dtype=np.bool_)
         if declared is not None:
@@ -163,13 +165,16 @@ def _zone_span(panels: Sequence[Panel], index: int, zone: Region, pair: tuple[in
 
 def _bands(first: Panel, second: Panel, first_solid: Region, second_solid: Region) -> tuple[FloatArray, IntArray]:
     """Return levels z (n + 1,) m that bound bands in which nothing changes, and the course (n,) of each band."""
-    marks = [vertices(solid)[:, 1] + base_level(panel.chart) for panel, solid in ((first, first_solid), (second, second_solid))]
+    both = ((first, first_solid), (second, second_solid))
+    marks = [vertices(solid)[:, 1] + base_level(panel.chart) for panel, solid in both]
     low, high = max(m.min() for m in marks), min(m.max() for m in marks)
     if high - low <= TOLERANCE:
         return np.empty(0), np.empty(0, dtype=np.int64)
     a = first.regions[0].cell.a
     base = base_level(first.chart)
     toothed = None not in (first.runs_through, second.runs_through) and first.runs_through != second.runs_through
+    drawn = [panel.filled[:, [1, 3]].ravel() + base_level(panel.chart) for panel, _ in both]
+    toothed = toothed and not any(map(len, drawn))
     if toothed and (abs(a - second.regions[0].cell.a) > TOLERANCE or abs(base - base_level(second.chart)) > TOLERANCE):
         raise InputError(
             f"junction of {first.name} and {second.name}",
@@ -179,7 +184,7 @@ def _bands(first: Panel, second: Panel, first_solid: Region, second_solid: Regio
             remedy="Use one course height, or butt the walls (runs_through = None on one of them).",
         )
     lines = base + a * np.arange(int(np.floor((low - base) / a)), int(np.ceil((high - base) / a)) + 1, dtype=np.float64)
-    marked = np.concatenate(marks)
+    marked = np.concatenate(marks + drawn)
     levels = np.unique(np.concatenate((marked, snap_onto(lines, marked))))
     levels = levels[(levels >= low) & (levels <= high)]
     levels = levels[np.append(True, np.diff(levels) > TOLERANCE)]
@@ -193,6 +198,17 @@ def _cover(panel: Panel, solid: Region, span: FloatArray, levels: FloatArray) ->
     level = np.ones(len(t) - 1)
     bands = boxes(np.stack([span[0] * level, t[:-1], span[1] * level, t[1:]], axis=1))
     return common_areas(bands, solid) / areas(bands)
+
+
+def _first_fills(first: Panel, second: Panel, spans: FloatArray, levels: FloatArray) -> BoolArray | None:
+    """Return in which bands (n,) the first of two walls fills their junction, as drawn; None where neither wall says it."""
+    for panel, span, own in ((first, spans[0], True), (second, spans[1], False)):
+        s0, t0, s1, t1 = panel.filled.T
+        here = (s0 < span.mean()) & (span.mean() < s1)
+        if here.any():
+            t = 0.5 * (levels[1:] + levels[:-1])[:, None] - base_level(panel.chart)
+            return ((t0[here] < t) & (t < t1[here])).any(axis=1) == own
+    return None
 
 
 def _first_owns(first: Panel, second: Panel, declared: Junction | None, course: IntArray) -> BoolArray:

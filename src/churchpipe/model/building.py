@@ -156,8 +156,10 @@ class Panel(ReadOnly):
     The outline reaches over the whole footprint, junctions included: who owns a junction is derived from the footprints.
     `runs_through`: on courses of this parity (0 even, 1 odd) the panel runs through the junctions it shares with panels
     of the other parity (toothed); None: it always runs through and others butt against it; panels of the same
-    parity butt, the one listed first runs through. Regions listed later lie on top of earlier ones (a lintel in a wall).
-    Stones and facets carry the panel's name, those within one of the `parts` that part's: macro-elements, for reports and loads.
+    parity butt, the one listed first runs through. `filled` (n, 4): s0, t0, s1, t1 of the parts of its junctions that the wall's
+    own stones fill, m, where courses cannot tell, as in a drawing with courses of unlike height. Regions listed later lie on top
+    of earlier ones (a lintel in a wall). Stones and facets carry the panel's name, those within one of the `parts` that part's:
+    macro-elements, for reports and loads.
     """
 
     name: str
@@ -169,6 +171,7 @@ class Panel(ReadOnly):
     openings: tuple[Opening, ...] = ()
     runs_through: Literal[0, 1] | None = 0
     parts: tuple[Part, ...] = ()
+    filled: FloatArray = field(default_factory=lambda: np.empty((0, 4)))
 
     def __post_init__(self) -> None:
         where = f"wall {text('Panel.name', self.name)}"
@@ -183,6 +186,7 @@ class Panel(ReadOnly):
             regions=tuple(listed(f"{where}.regions", self.regions, BondRegion)),
             openings=tuple(listed(f"{where}.openings", self.openings, Opening)),
             parts=tuple(listed(f"{where}.parts", self.parts, Part)),
+            filled=floats(f"{where}.filled", self.filled, (None, 4)),
         )
         if not self.regions:
             raise InputError(f"{where}.regions", "no bond", expected="at least one bond region")

@@ -43,6 +43,7 @@ from churchpipe.recognition.squaring import squared
 from churchpipe.recognition.stone_walls import StoneWall, cut_stones, stone_walls
 from churchpipe.recognition.straightening import straightened
 from churchpipe.recognition.supports import support_of
+from churchpipe.recognition.toothing import toothed
 from churchpipe.recognition.vaults import VAULT, fit_vaults
 from churchpipe.recognition.wall_parts import junction_spans, wall_parts
 from churchpipe.stones.mortar import with_mortar
@@ -155,6 +156,7 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
         _panel(straight, wall, walls, contact_gap, bent, ring, cell) for wall, ring, cell in zip(walls, rings, cells, strict=True)
     ]
     panels, squaring = squared(laid)
+    panels = toothed(panels, walls)
     moved = {wall.name: float(shift[wall.stones].max()) + squaring.get(wall.name, 0.0) for wall in walls}
     moved = {name: by for name, by in moved.items() if by > 0}
     known = [name for wall in walls for name in np.unique(wall.tag)]

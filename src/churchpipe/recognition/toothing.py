@@ -1,0 +1,91 @@
+"""Which wall fills each part of a junction of drawn walls, where a count of courses cannot tell it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from churchpipe.geometry.charts import base_level
+from churchpipe.geometry.planar import area, bounds, boxes, common_areas
+from churchpipe.model.arrays import BoolArray, FloatArray
+from churchpipe.model.building import Panel
+from churchpipe.recognition.stone_walls import StoneWall
+from churchpipe.recognition.wall_parts import TOUCH, junction_spans
+
+# Walls are toothed where the one or the other begins to fill their junction on this share of its courses or more. Where they
+# take turns less often the shell, in which they are one, would overrate their bond.
+_TOOTHED = 2 / 3
+# A count of courses is wrong where it gives more than this share of a junction to the wall that does not fill it.
+_WRONG = 0.02
+
+
+def toothed(panels: Sequence[Panel], walls: Sequence[StoneWall]) -> list[Panel]:
+    """Return panels that say which parts of their junctions they fill, where `runs_through` does not say it rightly.
+
+    A panel counts courses of one height, and runs through its junctions on even or on odd ones. Courses of a drawing may be of
+    unlike height, or a wall may be first at one end and second at the other. Walls with few bonding stones are left as they are,
+    for the match gate to judge.
+
+    Parameters
+    ----------
+    panels: fitted to the walls, in their order. walls: the stones of each.
+    """
+    filled: list[list[FloatArray]] = [[panel.filled] for panel in panels]
+    for pair in combinations(range(len(panels)), 2):
+        both = [(walls[k], walls[other]) for k, other in (pair, pair[::-1])]
+        spans = [junction_spans(own, [other]) for own, other in both]
+        # Where a curved wall meets another one twice, which of its two spans is which is not known.
+        if any(len(found) != 1 for found in spans):
+            continue
+        courses = [_courses(own, *found[0]) for (own, _), found in zip(both, spans, strict=True)]
+        bands = [_merged(own) for own in courses]
+        if sum(map(len, bands)) < _TOOTHED * sum(map(len, courses)):
+            continue
+        if all(map(len, bands)) and _is_wrong(panels[pair[0]], panels[pair[1]], bands):
+            for k, own, found in zip(pair, bands, spans, strict=True):
+                t = own - base_level(panels[k].chart)
+                start, stop = np.broadcast_to(found[0], (len(t), 2)).T
+                filled[k].append(np.stack([start, t[:, 0], stop, t[:, 1]], axis=1))
+    return [replace(panel, filled=np.concatenate(own)) for panel, own in zip(panels, filled, strict=True)]
+
+
+def _courses(wall: StoneWall, start: float, stop: float) -> FloatArray:
+    """Return z (n, 2) m of the courses of a wall whose stones fill it from one place s to another."""
+    box = bounds(wall.elevations)
+    own = (box[:, 0] < stop - TOUCH) & (box[:, 2] > start + TOUCH)
+    levels = np.unique(box[own][:, [1, 3]])
+    low, high = levels[:-1], levels[1:]
+    band = boxes(np.stack([np.full(len(low), start), low, np.full(len(low), stop), high], axis=1))
+    full = [common_areas(wall.elevations[own], one).sum() > 0.5 * area(one) for one in band]
+    found = np.stack([low, high], axis=1)[(high - low > TOUCH) & np.array(full, dtype=np.bool_)]
+    return found + base_level(wall.chart)
+
+
+def _merged(courses: FloatArray) -> FloatArray:
+    """Return z (n, 2) m of the runs of courses (m, 2) that lie on each other."""
+    if not len(courses):
+        return courses
+    apart = courses[1:, 0] - courses[:-1, 1] > TOUCH
+    return np.stack([courses[np.append(True, apart), 0], courses[np.append(apart, True), 1]], axis=1)
+
+
+def _is_wrong(first: Panel, second: Panel, bands: Sequence[FloatArray]) -> bool:
+    """Return whether a count of courses gives too much of a junction to the wall that does not fill it; bands: z (n, 2) m that
+    each wall fills."""
+    a, base = first.regions[0].cell.a, base_level(first.chart)
+    ends = np.concatenate([own.ravel() for own in bands])
+    lines = base + a * np.arange(np.floor((ends.min() - base) / a), np.ceil((ends.max() - base) / a) + 1)
+    levels = np.unique(np.concatenate([ends, lines]))
+    middle, height = 0.5 * (levels[1:] + levels[:-1]), np.diff(levels)
+    one, other = (_within(middle, own) for own in bands)
+    course = np.floor((middle - base) / a).astype(np.int64) % 2
+    rank = [np.where(course == p.runs_through, 1, 2) if p.runs_through is not None else 0 * course for p in (first, second)]
+    told = one != other
+    wrong = told & ((rank[0] <= rank[1]) != one)
+    return bool(height[wrong].sum() > _WRONG * height[told].sum())
+
+
+def _within(middle: FloatArray, bands: FloatArray) -> BoolArray:
+    inside: BoolArray = (bands[:, 0] < middle[:, None]) & (middle[:, None] < bands[:, 1])
+    return np.any(inside, axis=1)
