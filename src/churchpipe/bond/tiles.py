@@ -12,6 +12,7 @@ from churchpipe.model.arrays import (
     FloatArray,
     IntArray,
     NameArray,
+    pointer_of,
     pointers,
     ragged_indices,
     store,
@@ -111,7 +112,7 @@ def _picked(tiles: TileSet, chosen: IntArray, reach: FloatArray) -> TileSet:
     counts = np.diff(tiles.corner_ptr)[chosen]
     return TileSet(
         tiles.corner[ragged_indices(tiles.corner_ptr[:-1][chosen], counts)],
-        np.concatenate(([0], np.cumsum(counts))),
+        pointer_of(counts),
         tiles.course[chosen],
         tiles.region[chosen],
         reach,

@@ -14,7 +14,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from churchpipe.conic.tiles import COLUMNS, padded
-from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import FloatArray, IntArray, pointer_of, ragged_indices
 
 # A subtree with more than one of so many shares of the work is split.
 PARTS = 6
@@ -79,8 +79,8 @@ def supernodes(pattern: sp.csc_matrix[np.float64], order: IntArray) -> Supernode
     sizes = start, width, rows = _joined(tree, alike, np.array(_JOINED))
     small, large = _permuted(row, column, order)
     by_column = np.lexsort((large, small)).astype(np.int32)
-    pointer = _starts(np.bincount(small, minlength=n))
-    at, panel = _starts(rows - width), _starts(width * rows)
+    pointer = pointer_of(np.bincount(small, minlength=n))
+    at, panel = pointer_of(rows - width), pointer_of(width * rows)
     below, parent = _below(sizes, at, pointer, large[by_column])
     children = np.argsort(parent, kind="stable")[np.count_nonzero(parent < 0) :]
     deep = (rows - width).astype(np.float64)
@@ -98,7 +98,7 @@ def supernodes(pattern: sp.csc_matrix[np.float64], order: IntArray) -> Supernode
         below=below,
         place=_places(sizes, at, below, parent),
         parent=parent,
-        child=_starts(np.bincount(parent[parent >= 0], minlength=len(start))),
+        child=pointer_of(np.bincount(parent[parent >= 0], minlength=len(start))),
         children=children,
         update=update,
         space=space,
@@ -108,14 +108,10 @@ def supernodes(pattern: sp.csc_matrix[np.float64], order: IntArray) -> Supernode
         part_first=first,
         part_last=last,
         part_work=part_work,
-        reach=_starts(np.bincount(part[roots], (rows - width)[roots], minlength=len(first)).astype(np.int64)),
+        reach=pointer_of(np.bincount(part[roots], (rows - width)[roots], minlength=len(first)).astype(np.int64)),
         reached=below[ragged_indices(at[roots], (rows - width)[roots])],
         top=np.flatnonzero(part < 0),
     )
-
-
-def _starts(sizes: IntArray) -> IntArray:
-    return np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(sizes)])
 
 
 def _permuted(row: IntArray, column: IntArray, order: IntArray) -> tuple[IntArray, IntArray]:
@@ -128,7 +124,7 @@ def _permuted(row: IntArray, column: IntArray, order: IntArray) -> tuple[IntArra
 def _rows_of(row: IntArray, column: IntArray, order: IntArray) -> tuple[IntArray, IntArray]:
     """Return where each row of the permuted lower triangle starts, and its columns."""
     small, large = _permuted(row, column, order)
-    return _starts(np.bincount(large, minlength=len(order))), small[np.argsort(large, kind="stable")]
+    return pointer_of(np.bincount(large, minlength=len(order))), small[np.argsort(large, kind="stable")]
 
 
 @numba.njit(cache=True)

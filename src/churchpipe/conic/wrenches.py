@@ -8,7 +8,7 @@ import numba
 import numpy as np
 import scipy.sparse as sp
 
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, indices, pointers, store, store_arrays
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, indices, pointer_of, pointers, store, store_arrays
 
 # Rows of the balance of one rigid body: a force and a moment.
 BODY = 6
@@ -95,7 +95,7 @@ class Wrenches:
         data, rows = np.empty(place.size), np.empty(place.size, dtype=np.int32)
         data[place] = self.blocks()
         rows[place] = (BODY * self.bodies)[:, None, None] + np.arange(BODY)
-        starts = np.concatenate([[0], np.cumsum(np.repeat(BODY * width, 3))]).astype(np.int32)
+        starts = pointer_of(np.repeat(BODY * width, 3)).astype(np.int32)
         return sp.csc_matrix((data, rows, starts), shape=self.shape)
 
     def joined(self, other: "Wrenches") -> "Wrenches":
@@ -162,7 +162,7 @@ def pair_wrenches(
     sides = np.where(swapped[:, None], [1, 0], [0, 1])
     ordered = np.take_along_axis(bodies, sides, axis=1)
     moving: BoolArray = ordered >= 0
-    pointer = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(moving.sum(axis=1))])
+    pointer = pointer_of(moving.sum(axis=1))
     return Wrenches(
         count,
         pointer,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from churchpipe.geometry.clusters import components
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, pointer_of, ragged_indices
 from churchpipe.model.polyhedra import FLATNESS, LEAST_WARP, face_normals
 
 # Corners this close to the line between their neighbours, m and as a part of its length, are no corners.
@@ -102,7 +102,7 @@ def _outlines(group: IntArray, following: IntArray, twin: IntArray) -> tuple[Int
 
 def _walk(starts: IntArray, sizes: IntArray, after: IntArray) -> tuple[IntArray, IntArray]:
     """Return the half-edges along each outline, one outline after the other, and the pointers to them."""
-    pointer = np.concatenate(([0], np.cumsum(sizes)))
+    pointer = pointer_of(sizes)
     walk = np.empty(pointer[-1], dtype=np.int64)
     place, half, left = pointer[:-1], starts, sizes
     while len(place):
@@ -138,4 +138,4 @@ def _without_straight_corners(points: FloatArray, nodes: IntArray, pointer: IntA
     poor = np.bincount(owner[keep], minlength=len(pointer) - 1) < 3
     needless[nodes[poor[owner]]] = False
     keep = ~needless[nodes]
-    return nodes[keep], np.concatenate(([0], np.cumsum(np.bincount(owner[keep], minlength=len(pointer) - 1))))
+    return nodes[keep], pointer_of(np.bincount(owner[keep], minlength=len(pointer) - 1))

@@ -4,7 +4,7 @@ import numpy as np
 import shapely
 
 from churchpipe.geometry.planar import polygons_of
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, pointer_of, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
@@ -94,7 +94,7 @@ def _beside_notches(stones: Assemblage) -> FloatArray:
     owner = np.repeat(np.arange(len(face)), corners[face])
     reach = stones.points[stones.face_nodes[ragged_indices(stones.face_ptr[face], corners[face])]] - out[notched][owner]
     flat = np.stack([np.einsum("nc,nc->n", reach, across[owner]), reach[:, 2]], axis=1)
-    front = polygons_of(flat, np.concatenate(([0], np.cumsum(corners[face]))))
+    front = polygons_of(flat, pointer_of(corners[face]))
     outside = ~shapely.contains_xy(front, 0.0, 0.0)
     aside = shapely.get_coordinates(shapely.point_on_surface(front[outside]))
     out[notched[outside]] += aside[:, :1] * across[outside] + aside[:, 1:] * np.array([0.0, 0.0, 1.0])
@@ -157,7 +157,7 @@ def _surface_triangles(stones: Assemblage, blocks: IntArray) -> tuple[FloatArray
     step = ragged_indices(np.ones(len(face), dtype=np.int64), fans)
     nodes = stones.face_nodes[np.stack([start, start + step, start + step + 1], axis=1)]
     per_stone = np.add.reduceat(fans, np.cumsum(faces) - faces)
-    return stones.points[nodes], np.concatenate(([0], np.cumsum(per_stone)))
+    return stones.points[nodes], pointer_of(per_stone)
 
 
 def _solid_angles(triangles: FloatArray) -> FloatArray:

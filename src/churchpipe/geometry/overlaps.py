@@ -6,7 +6,7 @@ import numba
 import numpy as np
 
 from churchpipe.geometry.planar import areas, intersections, outer_rings, perimeters, polygons_of, simple_hulls
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, pointer_of, ragged_indices
 
 # A corner turns the other way where the product of its edges is below this share of the squared length of the outline.
 _TURNED = 1e-12
@@ -21,7 +21,7 @@ class Outlines(NamedTuple):
     def of(self, chosen: IntArray) -> "Outlines":
         """Return the chosen ones (k,)."""
         count = np.diff(self.start)[chosen]
-        return Outlines(self.corner[ragged_indices(self.start[chosen], count)], np.append(0, np.cumsum(count)))
+        return Outlines(self.corner[ragged_indices(self.start[chosen], count)], pointer_of(count))
 
 
 class Overlaps(NamedTuple):
@@ -43,11 +43,11 @@ def overlaps(first: Outlines, second: Outlines, tolerance: float) -> Overlaps:
     """
     convex = _convex(*first) & _convex(*second)
     room = np.where(convex, np.diff(first.start) + np.diff(second.start), 0)
-    start = np.append(0, np.cumsum(room))
+    start = pointer_of(room)
     corner, count = np.empty((start[-1], 2)), np.zeros(len(room), dtype=np.int64)
     area, perimeter = np.zeros(len(room)), np.zeros(len(room))
     _clip(*first, *second, start, tolerance, corner, count, area, perimeter)
-    hull = Outlines(corner[ragged_indices(start[:-1], count)], np.append(0, np.cumsum(count)))
+    hull = Outlines(corner[ragged_indices(start[:-1], count)], pointer_of(count))
     if convex.all():
         return Overlaps(hull, area, perimeter)
     rest = np.flatnonzero(~convex)
@@ -56,7 +56,7 @@ def overlaps(first: Outlines, second: Outlines, tolerance: float) -> Overlaps:
     more, owner = outer_rings(simple_hulls(common, tolerance))
     every, of = np.concatenate([hull.corner, more]), np.concatenate([np.repeat(np.arange(len(count)), count), rest[owner]])
     order = np.argsort(of, kind="stable")
-    return Overlaps(Outlines(every[order], np.append(0, np.cumsum(np.bincount(of, minlength=len(count))))), area, perimeter)
+    return Overlaps(Outlines(every[order], pointer_of(np.bincount(of, minlength=len(count)))), area, perimeter)
 
 
 @numba.njit(cache=True)

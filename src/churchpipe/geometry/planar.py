@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import shapely
 
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, pointer_of, ragged_indices
 
 Polygons = npt.NDArray[np.object_]
 Polygon = shapely.Polygon
@@ -225,7 +225,7 @@ def hull_corners(polygons: Polygons, tolerance: FloatArray) -> tuple[FloatArray,
         straight &= ~straight[before]
         corner, owner = corner[~straight], owner[~straight]
     counts = np.bincount(owner, minlength=len(polygons))
-    return corner, np.concatenate(([0], np.cumsum(counts)))
+    return corner, pointer_of(counts)
 
 
 def simple_hulls(polygons: Polygons, tolerance: float) -> Polygons:

@@ -4,7 +4,7 @@ import numpy as np
 import shapely
 
 from churchpipe.geometry.planar import Polygons, all_coordinates, moved, outer_rings, simple_parts
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray, pointer_of
 
 # Coordinates closer than this are taken as equal, m.
 TOLERANCE = 1e-9
@@ -63,7 +63,7 @@ def corners(polygons: Polygons) -> tuple[FloatArray, IntArray]:
             break
         point, owner = point[~drop], owner[~drop]
         before, after = _neighbours(owner, len(polygons))
-    pointer = np.concatenate(([0], np.cumsum(np.bincount(owner, minlength=len(polygons)))))
+    pointer = pointer_of(np.bincount(owner, minlength=len(polygons)))
     turned = np.where(clockwise[owner], pointer[owner] + pointer[owner + 1] - 1 - np.arange(len(owner)), np.arange(len(owner)))
     return _from_lowest_left(point[turned], owner, pointer), pointer
 

@@ -22,7 +22,7 @@ import numpy as np
 from churchpipe.conic.interior_point.coulomb import CoulombCompliance
 from churchpipe.conic.threads import bounds_of, in_shares
 from churchpipe.homogenised_shell.cell_forces import CellForces
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray, pointer_of
 
 
 class CellElimination:
@@ -39,7 +39,7 @@ class CellElimination:
         width = 6 + forces.still
         sizes = np.diff(forces.first)
         counts = (sizes * width**2, 3 * forces.corners * width, sizes * width)
-        start, table, columns = (np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(count)]) for count in counts)
+        start, table, columns = (pointer_of(count) for count in counts)
         strain_triangle = np.empty((nq if self.elastic else 0, 6, 6))
         sizes_of = (forces.points, forces.first, forces.corners, forces.still, forces.corner, forces.row)
         self._kinds = (*sizes_of, start, table, columns)

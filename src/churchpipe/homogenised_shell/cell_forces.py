@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from churchpipe.conic.threads import bounds_of, in_shares
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray, pointer_of
 
 # So many points are summed at a time: their forces stay in the cache.
 _CHUNK = 256
@@ -125,12 +125,12 @@ def cell_forces(closings: Sequence[FloatArray], kind: IntArray) -> CellForces:
     sums, components, of_corner = (np.concatenate(same).astype(np.int64) for same in zip(*parts, strict=True))
     return CellForces(
         points=points,
-        first=_starts(sizes),
+        first=pointer_of(sizes),
         corners=corners,
         still=still,
-        corner=_starts(corners * sizes),
-        row=_starts(still * sizes),
-        entry=_starts(np.array([len(part) for part in values], dtype=np.int64)),
+        corner=pointer_of(corners * sizes),
+        row=pointer_of(still * sizes),
+        entry=pointer_of(np.array([len(part) for part in values], dtype=np.int64)),
         sums=sums,
         components=components,
         of_corner=of_corner,
@@ -198,10 +198,6 @@ def _spread(
                     for j in range(size):
                         force[i, begin + j] += value * buffer[j]
                     at += 1
-
-
-def _starts(sizes: IntArray) -> IntArray:
-    return np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(sizes)])
 
 
 def _assembled(parts: list[tuple[IntArray, IntArray, FloatArray]], shape: tuple[int, int]) -> sp.csr_matrix[np.float64]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from churchpipe.large_displacements.poses import Poses
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray, pointer_of
 from churchpipe.model.contacts import Contacts
 
 
@@ -63,9 +63,7 @@ class Joints:
         count = np.diff(self.point_ptr)
         kept = {len(keep): keep, len(self.sliding): np.repeat(keep, count)}
         values = {item.name: getattr(self, item.name) for item in fields(self) if item.name != "point_ptr"}
-        return Joints(
-            point_ptr=np.concatenate(([0], np.cumsum(count[keep]))), **{name: v[kept[len(v)]] for name, v in values.items()}
-        )
+        return Joints(point_ptr=pointer_of(count[keep]), **{name: v[kept[len(v)]] for name, v in values.items()})
 
 
 def joined(one: Joints, other: Joints) -> Joints:

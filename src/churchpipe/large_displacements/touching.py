@@ -8,7 +8,7 @@ from churchpipe.geometry.overlaps import Outlines, overlaps
 from churchpipe.geometry.planar import meeting
 from churchpipe.large_displacements.crushed import bearing_margin, rectangles_of, with_lines_of_equal_gap
 from churchpipe.large_displacements.edges import edge_normals
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, pointer_of, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.polyhedra import face_normals
@@ -143,4 +143,4 @@ def _projected(stones: Assemblage, face: IntArray, axes: FloatArray, centre: Flo
     start, count = stones.face_ptr[face], np.diff(stones.face_ptr)[face]
     owner = np.repeat(np.arange(len(face)), count)
     arm = stones.points[stones.face_nodes[ragged_indices(start, count)]] - centre[owner]
-    return Outlines(np.einsum("kc,kac->ka", arm, axes[owner]), np.append(0, np.cumsum(count)))
+    return Outlines(np.einsum("kc,kac->ka", arm, axes[owner]), pointer_of(count))

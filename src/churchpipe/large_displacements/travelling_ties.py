@@ -8,7 +8,7 @@ import numpy as np
 from churchpipe.conic.wrenches import Wrenches
 from churchpipe.large_displacements.poses import Poses
 from churchpipe.loading.ties import anchors_of
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, pointer_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.ties import Tie
 from churchpipe.stones.interfaces import frames
@@ -63,7 +63,7 @@ class TravellingTies:
         span = self.spans(poses)
         return Wrenches(
             len(free),
-            np.concatenate(([0], np.cumsum(np.bincount(self.owner[order], minlength=len(self.name))))),
+            pointer_of(np.bincount(self.owner[order], minlength=len(self.name))),
             row_of[stone],
             (poses.place(stone, self.arm[order]) - poses.centroid[stone]) / length,
             self.share[order],
@@ -108,7 +108,7 @@ def travelling_ties(stones: Assemblage, ties: Sequence[Tie]) -> TravellingTies:
     none, nowhere = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
     every = np.concatenate([none, *stone])
     point = np.concatenate([nowhere, *(part.point for pair in ends for part in pair)])
-    pointer = np.concatenate(([0], np.cumsum([len(part) for part in stone]))).astype(np.int64)
+    pointer = pointer_of([len(part) for part in stone])
     share = np.concatenate([np.zeros(0), *(part for first, second in ends for part in (-first.share, second.share))])
     spans = np.zeros((len(ties), 3))
     np.add.at(spans, np.repeat(np.arange(len(ties)), np.diff(pointer)), share[:, None] * point)

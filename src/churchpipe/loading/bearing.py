@@ -7,7 +7,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.walls import points_of
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, pointer_of, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 
@@ -180,7 +180,7 @@ def _upper_sides(stones: Assemblage, chosen: IntArray, start: FloatArray, axis: 
     face = ragged_indices(stones.block_face_ptr[chosen], faces)
     count = np.diff(stones.face_ptr)[face]
     nodes = stones.face_nodes[ragged_indices(stones.face_ptr[face], count)]
-    pointers = np.append(0, np.cumsum(count))
+    pointers = pointer_of(count)
     vector, normal, mean = face_normals(stones.points, nodes, pointers)
     up = normal[:, 2] > _UP
     span = np.full((len(face), 2), np.nan)

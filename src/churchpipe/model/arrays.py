@@ -174,6 +174,11 @@ def _hints(kind: type) -> dict[str, Any]:
     return get_type_hints(kind)
 
 
+def pointer_of(counts: npt.ArrayLike) -> IntArray:
+    """Return where the entries of each row begin in one list, and where the last ones end (n + 1,); counts (n,): of a row."""
+    return np.concatenate(([0], np.cumsum(np.asarray(counts, dtype=np.int64))))
+
+
 def ragged_indices(starts: IntArray, counts: IntArray) -> IntArray:
     """Return the concatenation of arange(start, start + count) over all rows, without a loop."""
     total = int(counts.sum())

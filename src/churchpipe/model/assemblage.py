@@ -20,6 +20,7 @@ from churchpipe.model.arrays import (
     indices,
     names,
     one_each,
+    pointer_of,
     pointers,
     rows_of,
     store,
@@ -185,9 +186,9 @@ class Assemblage(Shown):
         made = assemble(
             points=np.concatenate(points),
             face_nodes=np.array(nodes, dtype=np.int64),
-            face_ptr=_cumulative(face_sizes),
-            block_face_ptr=_cumulative(block_faces),
-            block_point_ptr=_cumulative(block_points),
+            face_ptr=pointer_of(face_sizes),
+            block_face_ptr=pointer_of(block_faces),
+            block_point_ptr=pointer_of(block_points),
             unit_weight=one_each("unit_weight", array_of("unit_weight", unit_weight, "iuf", "numbers").astype(np.float64), count),
             material=one_each("material", array_of("material", material, "Uiu", "texts").astype(np.str_), count),
             panel=one_each("panel", array_of("panel", panel, "Uiu", "texts").astype(np.str_), count),
@@ -304,10 +305,6 @@ def _face(face: Any) -> npt.NDArray[Any]:
 def _ids(block_id: Any, count: int) -> NameArray:
     ids = [f"B{i}" for i in range(count)] if block_id is None else list(checked_sequence("block_id", block_id, "names"))
     return names("block_id", ids, (count,))
-
-
-def _cumulative(counts: Sequence[int]) -> IntArray:
-    return np.concatenate(([0], np.cumsum(np.asarray(counts, dtype=np.int64))))
 
 
 def _turn_faces(face_nodes: IntArray, face_ptr: IntArray, turn: BoolArray) -> IntArray:

@@ -15,6 +15,7 @@ from churchpipe.model.arrays import (
     NameArray,
     ReadOnly,
     floats,
+    pointer_of,
     pointers,
     rows_of,
     store,
@@ -151,7 +152,7 @@ class Contacts(Shown):
             self,
             **{name: getattr(self, name)[keep] for name in ("blocks", "frame", "area", "kind", "gap", "angle")},
             point=self.point[of_points],
-            point_ptr=np.append(0, np.cumsum(count)),
+            point_ptr=pointer_of(count),
         )
 
     def show(self) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.mechanism import reference_speed
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray, pointer_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.results import CapacityCurve, ShellLimitState
@@ -86,7 +86,7 @@ def joint_outlines(contacts: Contacts, interfaces: IntArray) -> tuple[FloatArray
     """Return the corners (n, 3) m of interfaces, in order around each, and where each one starts (len + 1,)."""
     order, pointer = joint_order(contacts), contacts.point_ptr
     corners = [contacts.point[order[pointer[i] : pointer[i + 1]]] for i in interfaces]
-    starts = np.concatenate([[0], np.cumsum([len(part) for part in corners])]).astype(np.int64)
+    starts = pointer_of([len(part) for part in corners])
     return np.concatenate(corners) if corners else np.empty((0, 3)), starts
 
 

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import whole
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, pointer_of, ragged_indices
 from churchpipe.model.contacts import Contacts
 from churchpipe.rigid_blocks.polygons import JointPolygons, cross, joint_polygons
 
@@ -99,7 +99,7 @@ def joint_parts(
     take = ragged_indices(polygons.start * np.where(chosen, own, 1) + np.where(chosen, corners, 0), points)
     shares = sp.csr_matrix(sp.vstack([sp.identity(corners), shares]))[take]
     area = np.concatenate([(contacts.area / polygons.count)[polygons.interface], inside])[take]
-    pointer = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(points)])
+    pointer = pointer_of(points)
     return JointParts(
         replace(contacts, point=shares @ contacts.point, point_ptr=pointer), np.repeat(chosen, points), area, shares
     )

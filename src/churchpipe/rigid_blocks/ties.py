@@ -8,7 +8,7 @@ import numpy as np
 from churchpipe.conic.wrenches import Wrenches
 from churchpipe.errors import InputError
 from churchpipe.loading.ties import anchors_of
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray, pointer_of
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.results import LimitState
 from churchpipe.model.ties import Tie
@@ -39,7 +39,7 @@ def with_ties(balance: Equilibrium, strength: Strength, stones: Assemblage, ties
     bodies, arms, signs = (np.concatenate(parts) for parts in zip(*pulls, strict=True))
     tensions = Wrenches(
         len(balance.free),
-        np.concatenate(([0], np.cumsum([len(pull[0]) for pull in pulls]))),
+        pointer_of([len(pull[0]) for pull in pulls]),
         bodies,
         arms / balance.length,
         signs,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from churchpipe.geometry.planar import Polygons, areas, bounds, hull_corners, intersections, meeting, pieces_of, polygons_of
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, pointer_of, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.stones.interfaces import Interfaces, frames
@@ -130,5 +130,5 @@ def _lift(
         gap=np.stack([apart, apart], axis=1)[keep],
         angle=np.linalg.norm(normal[first] + normal[second], axis=1)[keep],
         point=point[ragged_indices(corner_ptr[:-1][keep], counts)],
-        point_ptr=np.concatenate(([0], np.cumsum(counts))),
+        point_ptr=pointer_of(counts),
     )

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from churchpipe.geometry.clusters import components
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, pointer_of, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 
@@ -213,7 +213,7 @@ def _outlines(stones: Assemblage, label: IntArray, normal: FloatArray, edges: _E
     order = np.lexsort((position, ring))
     corner = stones.points[edges.node[kept[order]]]
     sizes = np.bincount(ring, minlength=rings)
-    pointer = np.concatenate(([0], np.cumsum(sizes)))
+    pointer = pointer_of(sizes)
     owner = np.zeros(rings, dtype=np.int64)
     owner[ring] = label[edges.face[kept]]
     ring_of = ring[order]
@@ -225,7 +225,7 @@ def _outlines(stones: Assemblage, label: IntArray, normal: FloatArray, edges: _E
     rank = np.lexsort((-signed, owner))
     chosen = ragged_indices(pointer[:-1][rank], sizes[rank])
     ring_ptr = np.searchsorted(owner[rank], np.arange(len(normal) + 1))
-    return corner[chosen], np.concatenate(([0], np.cumsum(sizes[rank]))), ring_ptr
+    return corner[chosen], pointer_of(sizes[rank]), ring_ptr
 
 
 def _positions(ring: IntArray, follower: IntArray, rings: int) -> IntArray:

@@ -7,7 +7,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.geometry.polygons import behind
 from churchpipe.model.arguments import check_kind
-from churchpipe.model.arrays import FloatArray, IntArray, floats, ragged_indices
+from churchpipe.model.arrays import FloatArray, IntArray, floats, pointer_of, ragged_indices
 from churchpipe.model.assemblage import Assemblage, assemble
 from churchpipe.model.contacts import Contacts
 
@@ -210,7 +210,7 @@ def _with_prisms(
     more, first = len(solids), plates[0]
 
     def chained(name: str, chosen: IntArray, own: IntArray) -> IntArray:
-        return np.concatenate([[0], np.cumsum(np.concatenate([counts[name][chosen], own]))])
+        return pointer_of(np.concatenate([counts[name][chosen], own]))
 
     names = [f"{stones.block_id[first]}-{i + 1}" for i in range(len(pieces))] + ["moving support"] * len(moving)
     if len(moving) > 1:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, pointer_of, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts, ContactTolerances, NearMisses
 
@@ -51,7 +51,7 @@ def chosen(found: Interfaces, rows: IntArray) -> Interfaces:
         found.gap[rows],
         found.angle[rows],
         found.point[ragged_indices(found.point_ptr[:-1][rows], counts)],
-        np.concatenate(([0], np.cumsum(counts))),
+        pointer_of(counts),
     )
 
 
@@ -60,7 +60,7 @@ def joined(parts: Sequence[Interfaces]) -> Interfaces:
     counts = np.concatenate([np.diff(part.point_ptr) for part in parts])
     names = ("side", "exact", "frame", "area", "gap", "angle", "point")
     fields = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
-    return Interfaces(**fields, point_ptr=np.concatenate(([0], np.cumsum(counts))))
+    return Interfaces(**fields, point_ptr=pointer_of(counts))
 
 
 def contacts_of(

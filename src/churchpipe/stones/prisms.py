@@ -10,7 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
 from churchpipe.geometry.planar import boxes, clip, polygon
 from churchpipe.geometry.polygons import TOLERANCE, corners, snap, snap_onto
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray, pointer_of
 from churchpipe.model.building import Chart, PlaneChart
 
 
@@ -67,7 +67,7 @@ def _prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
     face_sizes = np.full(len(corner) + 2 * tiles.count, 4, dtype=np.int64)
     first_face = pointer[:-1] + 2 * np.arange(tiles.count)
     face_sizes[first_face] = face_sizes[first_face + 1] = count
-    return Solids(points, nodes, _cumulative(face_sizes), _cumulative(count + 2), 2 * pointer)
+    return Solids(points, nodes, pointer_of(face_sizes), pointer_of(count + 2), 2 * pointer)
 
 
 def _bent_prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
@@ -87,13 +87,13 @@ def _bent_prisms(chart: Chart, thickness: float, tiles: TileSet) -> Solids:
 def solids_of(stones: Sequence[tuple[FloatArray, Sequence[IntArray]]]) -> Solids:
     """Return polyhedra given one by one, as points (n, 3) m and the corners of each face, as flat arrays."""
     points, faces = [stone[0] for stone in stones], [face for stone in stones for face in stone[1]]
-    offset = _cumulative([len(part) for part in points])
+    offset = pointer_of([len(part) for part in points])
     shift = np.repeat(offset[:-1], [len(stone[1]) for stone in stones])
     return Solids(
         np.concatenate(points),
         np.concatenate([face + by for face, by in zip(faces, shift, strict=True)]),
-        _cumulative([len(face) for face in faces]),
-        _cumulative([len(stone[1]) for stone in stones]),
+        pointer_of([len(face) for face in faces]),
+        pointer_of([len(stone[1]) for stone in stones]),
         offset,
     )
 
@@ -124,7 +124,3 @@ def _bend(outline: FloatArray, stations: FloatArray, course: int) -> tuple[Float
         chain = chain[np.argsort(flat[chain, axis] * np.sign(stop[axis] - start[axis]))].tolist()
         faces.append(chain + [count + k for k in chain[::-1]])
     return flat, faces
-
-
-def _cumulative(counts: "IntArray | list[int]") -> IntArray:
-    return np.concatenate(([0], np.cumsum(np.asarray(counts, dtype=np.int64))))

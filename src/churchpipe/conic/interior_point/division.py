@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from churchpipe.model.arrays import IntArray, ragged_indices
+from churchpipe.model.arrays import IntArray, pointer_of, ragged_indices
 
 
 class Division(NamedTuple):
@@ -35,5 +35,5 @@ def divided(start: IntArray, width: IntArray, blocks: IntArray, count: int, shar
     looks = np.zeros((shares, elements), dtype=np.bool_)
     looks[owner[touched], np.repeat(np.arange(elements), width)] = True
     members = np.nonzero(looks)
-    first = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(looks.sum(axis=1))])
+    first = pointer_of(looks.sum(axis=1))
     return Division(members[1].astype(np.int64), first, owner)

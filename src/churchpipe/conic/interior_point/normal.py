@@ -12,7 +12,7 @@ from churchpipe.conic.interior_point.coupling import Coupling
 from churchpipe.conic.interior_point.division import Division, divided
 from churchpipe.conic.threads import in_shares, shares_of
 from churchpipe.conic.tiles import COLUMNS, padded, subtract_products
-from churchpipe.model.arrays import FloatArray, IntArray, ragged_indices
+from churchpipe.model.arrays import FloatArray, IntArray, pointer_of, ragged_indices
 
 # So many local problems of an element are summed at a time.
 _TOGETHER = 16
@@ -152,7 +152,7 @@ def _pattern(graph: sp.csc_matrix[np.float64], block: int) -> tuple[sp.csc_matri
     count = graph.shape[0]
     blocks_below = np.diff(graph.indptr).astype(np.int64)
     lengths = (block * blocks_below[:, None] - np.arange(block)).ravel()
-    pointer = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(lengths)])
+    pointer = pointer_of(lengths)
     rows = (block * graph.indices[:, None] + np.arange(block, dtype=graph.indices.dtype)).ravel()
     # Every column of a block column has all its rows, less those above the diagonal.
     starts = np.repeat(block * graph.indptr[:-1].astype(np.int64), block) + np.tile(np.arange(block), count)
@@ -168,7 +168,7 @@ def _ranks(coupling: Coupling, first: IntArray, width: IntArray, graph: sp.csc_m
     columns = np.repeat(np.arange(count), np.diff(graph.indptr))
     start = np.asarray(graph.indptr, dtype=np.int64)
     keys = columns * count + graph.indices
-    pointer = np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(width * (width + 1) // 2)])
+    pointer = pointer_of(width * (width + 1) // 2)
     rank = np.empty(int(pointer[-1]), dtype=np.int64)
     for p in range(int(width.max(initial=0))):
         wide = np.flatnonzero(width > p)
