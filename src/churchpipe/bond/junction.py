@@ -9,7 +9,7 @@ import numpy as np
 
 from churchpipe.bond.zones import merged
 from churchpipe.errors import InputError
-from churchpipe.geometry.charts import along, base_level, footprint
+from churchpipe.geometry.charts import along, base_level, footprint, footprint_of
 from churchpipe.geometry.planar import Region, area, areas, boxes, common, common_areas, pieces, vertices
 from churchpipe.geometry.polygons import TOLERANCE, snap_onto
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
@@ -70,7 +70,7 @@ def crossings(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequ
     InputError: walls that cross at a slant or only in part, toothed walls whose courses do not line up, a junction that
         neither wall fills, one that is declared of walls that do not meet.
     """
-    plans = [footprint(p.chart, p.thickness, p.outline[:, 0].min(), p.outline[:, 0].max()) for p in panels]
+    plans = [footprint_of(p) for p in panels]
     found: list[Crossing] = []
     zones = ((i, j, zone) for i, j in combinations(range(len(panels)), 2) for zone in pieces(common(plans[i], plans[j])))
     for i, j, zone in zones:

@@ -8,7 +8,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry import planar
-from churchpipe.geometry.charts import footprint, lift
+from churchpipe.geometry.charts import footprint_of, lift
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Junction, Panel, PlaneChart
@@ -99,7 +99,7 @@ def _panel(where: str, wall: Panel, buttress: Buttress, along: float, name: str)
 
 def _check_corner(where: str, buttress: Panel, along: float, others: Sequence[Panel]) -> None:
     """Refuse a buttress that stands partly before a wall which meets its own there: the two have no bond."""
-    chart, own = buttress.chart, _plan(buttress)
+    chart, own = buttress.chart, footprint_of(buttress)
     for other in others:
         if not isinstance(other.chart, PlaneChart) or not isinstance(chart, PlaneChart):
             continue
@@ -107,7 +107,7 @@ def _check_corner(where: str, buttress: Panel, along: float, others: Sequence[Pa
         aside = abs(float((other.chart.origin - chart.origin) @ normal))
         alike = aside < _WHOLE and abs(other.thickness - buttress.thickness) < _WHOLE
         parallel = abs(float(other.chart.s_axis @ normal)) < _WHOLE
-        if parallel and not alike and planar.area(planar.common(own, _plan(other))) > _WHOLE:
+        if parallel and not alike and planar.area(planar.common(own, footprint_of(other))) > _WHOLE:
             expected = f"a place clear of that wall, {(other.thickness + buttress.thickness) / 2:g} m from its middle or more"
             expected += f"; or, over its middle, a buttress {other.thickness:g} m wide"
             raise InputError(where, f"stands partly in the wall {other.name}", found=f"{along:g} m", expected=expected)
@@ -115,13 +115,13 @@ def _check_corner(where: str, buttress: Panel, along: float, others: Sequence[Pa
 
 def _check_clear(where: str, wall: Panel, buttress: Panel, along: float, others: Sequence[Panel]) -> None:
     """Refuse a buttress that stands in another one, or in another wall, beside the wall that it is of."""
-    beside = planar.less(_plan(buttress), [_plan(wall)])
+    beside = planar.less(footprint_of(buttress), [footprint_of(wall)])
     low, high = _levels(buttress)
     for other in others:
         bottom, top = _levels(other)
         if not isinstance(other.chart, PlaneChart) or min(top, high) - max(bottom, low) < _WHOLE:
             continue
-        if planar.area(planar.common(beside, _plan(other))) > _WHOLE:
+        if planar.area(planar.common(beside, footprint_of(other))) > _WHOLE:
             expected = f"a place clear of it, {(other.thickness + buttress.thickness) / 2:g} m from its middle or more"
             raise InputError(where, f"stands where {other.name} stands", found=f"{along:g} m", expected=expected)
 
@@ -130,10 +130,6 @@ def _levels(panel: Panel) -> tuple[float, float]:
     """Return the heights of the foot and the top of a panel, m."""
     height = lift(panel.chart, panel.outline)[:, 2]
     return float(height.min()), float(height.max())
-
-
-def _plan(panel: Panel) -> planar.Region:
-    return footprint(panel.chart, panel.thickness, float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))
 
 
 def _check_openings(where: str, wall: Panel, along: float, s: float, width: float, height: float) -> None:

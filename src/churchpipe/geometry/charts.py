@@ -7,7 +7,7 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.planar import Region, polygons_of, united
 from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.building import Chart, CylinderChart, PlaneChart
+from churchpipe.model.building import Chart, CylinderChart, Panel, PlaneChart
 
 # Angle of each chord of a curved wall whose head joints are not known yet.
 PLAN_STEP = np.radians(2.0)
@@ -72,6 +72,12 @@ def footprint(chart: Chart, thickness: float, start: float, stop: float, station
     # One quadrilateral for each chord: the outline of a closed ring would touch itself.
     chords = np.stack([near[:-1], near[1:], far[1:], far[:-1]], axis=1)
     return united(polygons_of(chords.reshape(-1, 2), 4 * np.arange(len(s))))
+
+
+def footprint_of(panel: Panel) -> Region:
+    """Return in plan (x, y in m) all of a wall."""
+    s = panel.outline[:, 0]
+    return footprint(panel.chart, panel.thickness, float(s.min()), float(s.max()))
 
 
 def along(chart: Chart, plan: FloatArray) -> FloatArray:

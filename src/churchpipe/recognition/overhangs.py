@@ -7,7 +7,7 @@ import numpy as np
 
 from churchpipe.bond.walls import wall_region
 from churchpipe.errors import InputError
-from churchpipe.geometry.charts import along, base_level, footprint, lift
+from churchpipe.geometry.charts import along, base_level, footprint_of, lift
 from churchpipe.geometry.planar import contains, extent, polygon
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.building import Panel
@@ -87,8 +87,7 @@ def _borne(points: FloatArray, walls: Sequence[Panel], supports: Sequence[FloatA
     for body in supports:
         found |= ((points >= body.min(axis=0) - ABOVE) & (points <= body.max(axis=0) + ABOVE)).all(axis=1)
     for wall in walls:
-        start, _, stop, _ = extent(polygon(wall.outline)).tolist()
-        inside = contains(footprint(wall.chart, wall.thickness, start, stop), points[:, :2])
+        inside = contains(footprint_of(wall), points[:, :2])
         if inside.any():
             flat = np.column_stack([along(wall.chart, points[:, :2]), points[:, 2] - base_level(wall.chart)])
             found |= inside & contains(wall_region(wall), flat)

@@ -5,8 +5,8 @@ from itertools import combinations
 
 import numpy as np
 
-from churchpipe.geometry.charts import base_level, footprint
-from churchpipe.geometry.planar import Region, within
+from churchpipe.geometry.charts import base_level, footprint_of
+from churchpipe.geometry.planar import within
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Panel, PlaneChart
 from churchpipe.recognition.insets import is_single
@@ -25,7 +25,7 @@ def slanted_meetings(panels: Sequence[Panel]) -> list[tuple[Panel, Panel, float]
         level = _levels(one), _levels(other)
         if not RIGHT < slope < 1 - RIGHT or min(top for _, top in level) <= max(foot for foot, _ in level):
             continue
-        if within(_plan(one), _plan(other), NEAR * min(one.thickness, other.thickness)):
+        if within(footprint_of(one), footprint_of(other), NEAR * min(one.thickness, other.thickness)):
             found.append((one, other, float(np.degrees(np.arccos(slope)))))
     return found
 
@@ -38,7 +38,3 @@ def _along(panel: Panel) -> FloatArray:
 def _levels(panel: Panel) -> tuple[float, float]:
     base = base_level(panel.chart)
     return base + float(panel.outline[:, 1].min()), base + float(panel.outline[:, 1].max())
-
-
-def _plan(panel: Panel) -> Region:
-    return footprint(panel.chart, panel.thickness, float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))

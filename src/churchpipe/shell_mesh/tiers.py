@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.bond.junction import crossings
 from churchpipe.bond.walls import wall_region
 from churchpipe.errors import InputError
-from churchpipe.geometry.charts import base_level, footprint
+from churchpipe.geometry.charts import base_level, footprint_of
 from churchpipe.geometry.planar import Region, area, boxes, common, pieces, polygon
 from churchpipe.geometry.polygons import TOLERANCE, corners
 from churchpipe.model.arrays import FloatArray
@@ -53,7 +53,7 @@ def _along(upper: Panel, lower: Panel) -> bool:
     assert isinstance(other, PlaneChart)
     if np.linalg.norm(np.cross(one.s_axis, other.s_axis)) > TOLERANCE:
         return False
-    plans = [footprint(p.chart, p.thickness, p.outline[:, 0].min(), p.outline[:, 0].max()) for p in (upper, lower)]
+    plans = [footprint_of(p) for p in (upper, lower)]
     return area(common(*plans)) > TOLERANCE * min(upper.thickness, lower.thickness) ** 2
 
 
