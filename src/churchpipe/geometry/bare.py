@@ -62,7 +62,7 @@ def _shadow(stones: Assemblage, stone: int, normal: FloatArray, offset: float, l
     if (points @ normal).max() <= offset + _APART:
         return []
     x, y, z = normal.tolist()
-    body = manifold(points, [np.array(face) for face in faces])
+    body = manifold(points, faces)
     body = body.trim_by_plane((x, y, z), offset + _APART).trim_by_plane((0.0, 0.0, -1.0), -level)
     mesh = body.to_mesh64()
     plan = np.asarray(mesh.vert_properties)[np.asarray(mesh.tri_verts, dtype=np.int64), :2]

@@ -9,13 +9,13 @@ from churchpipe.geometry.clusters import components
 from churchpipe.model.arrays import FloatArray, IntArray
 
 
-def manifold(points: FloatArray, faces: Sequence[IntArray], first: int = 0) -> manifold3d.Manifold:
+def manifold(points: FloatArray, faces: Sequence[Sequence[int] | IntArray], first: int = 0) -> manifold3d.Manifold:
     """Return a polyhedron as a manifold, its faces triangulated and numbered from `first`.
 
     points (n, 3) m; faces: corners of each, counter-clockwise from outside.
     """
     triangles: list[IntArray] = []
-    for nodes in faces:
+    for nodes in map(np.asarray, faces):
         corner = points[nodes]
         area = np.cross(corner, np.roll(corner, -1, axis=0)).sum(axis=0)
         drop = int(np.argmax(np.abs(area)))
@@ -24,7 +24,7 @@ def manifold(points: FloatArray, faces: Sequence[IntArray], first: int = 0) -> m
         turned = (area[drop] > 0) == (drop == 1)
         order = np.arange(len(nodes))[::-1] if turned else np.arange(len(nodes))
         found = order[np.asarray(manifold3d.triangulate([plane[order]]))]
-        triangles.append(np.asarray(nodes)[found[:, ::-1] if turned else found])
+        triangles.append(nodes[found[:, ::-1] if turned else found])
     face = np.repeat(first + np.arange(len(faces)), [len(found) for found in triangles])
     mesh = manifold3d.Mesh64(
         vert_properties=points.astype(np.float64),

@@ -181,9 +181,9 @@ def _findings_of(mended: Mended, body: Body) -> list[Finding]:
 
 
 def _united(shells: list[Mended], body: Body, findings: list[Finding]) -> Mended:
-    solid = manifold(shells[0].points, [np.array(face) for face in shells[0].faces])
+    solid = manifold(shells[0].points, shells[0].faces)
     for shell in shells[1:]:
-        solid += manifold(shell.points, [np.array(face) for face in shell.faces], first=100_000)
+        solid += manifold(shell.points, shell.faces, first=100_000)
     points, faces = polyhedron(solid)
     whole = mend(points, [tuple(face.tolist()) for face in faces], repair=False)
     before = sum(shell.volume for shell in shells)

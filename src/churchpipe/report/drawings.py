@@ -147,11 +147,9 @@ def cut_polygons(stones: Assemblage, shown: BoolArray, points: FloatArray, level
     """Return the polygons (n, 2) m that a plane across the view cuts out of the stones; points as in `_faces`."""
     found: list[FloatArray] = []
     highest = np.maximum.reduceat(points[:, 2], stones.block_point_ptr[:-1])
-    for stone in np.flatnonzero(shown & (highest > level)):
+    for stone in np.flatnonzero(shown & (highest > level)).tolist():
         first, last = stones.block_point_ptr[stone : stone + 2]
-        begin, end = stones.block_face_ptr[stone : stone + 2]
-        faces = [stones.face_nodes[stones.face_ptr[f] : stones.face_ptr[f + 1]] - first for f in range(begin, end)]
-        cut: manifold3d.CrossSection = manifold(points[first:last], faces).slice(level)
+        cut: manifold3d.CrossSection = manifold(points[first:last], stones.solid(stone)[1]).slice(level)
         found += [np.asarray(ring) for ring in cut.to_polygons()]
     return found
 

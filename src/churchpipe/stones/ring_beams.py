@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-import manifold3d
 import numpy as np
 
 from churchpipe.errors import InputError
@@ -193,8 +192,8 @@ def _check_free(stones: Assemblage, beam: RingBeam, stretch: _Stretch, solid: Po
     points = np.asarray(solid[0])
     low, high = (edge.reduceat(stones.points, stones.block_point_ptr[:-1], axis=0) for edge in (np.minimum, np.maximum))
     near = ((low < points.max(axis=0) - _INTO) & (high > points.min(axis=0) + _INTO)).all(axis=1)
-    body = manifold(points, [np.asarray(face) for face in solid[1]])
-    shared = {stone: body ^ _solid(stones, stone) for stone in np.flatnonzero(near).tolist()}
+    body = manifold(points, solid[1])
+    shared = {stone: body ^ manifold(*stones.solid(stone)) for stone in np.flatnonzero(near).tolist()}
     inside = [stone for stone, common in shared.items() if 2 * common.volume() > _INTO * common.surface_area()]
     if not inside:
         return
@@ -223,13 +222,6 @@ def _free_stretch(stones: Assemblage, stretch: _Stretch, inside: Sequence[int]) 
         at = max(at, high)
     low, high = max(free, key=lambda part: part[1] - part[0])
     return (low, high) if high - low > stretch.width else None
-
-
-def _solid(stones: Assemblage, stone: int) -> manifold3d.Manifold:
-    first = stones.block_point_ptr[stone]
-    faces = range(*stones.block_face_ptr[stone : stone + 2])
-    nodes = [stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]] - first for face in faces]
-    return manifold(stones.points[first : stones.block_point_ptr[stone + 1]], nodes)
 
 
 def _over(plan: FloatArray, level: float, height: float) -> Polyhedron:

@@ -27,20 +27,12 @@ def self_crossing_stones(stones: Assemblage) -> list[tuple[int, FloatArray]]:
         height = points @ normal[own].T - np.einsum("fc,fc->f", normal[own], mean[own])
         if (height <= slack).all():
             continue
-        place = _crossing(*_triangles(stones, block, points), slack)
+        mesh = manifold(*stones.solid(block)).to_mesh64()
+        corners, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
+        place = _crossing(corners, triangles, slack)
         if place is not None:
             found.append((block, place))
     return found
-
-
-def _triangles(stones: Assemblage, block: int, points: FloatArray) -> tuple[FloatArray, IntArray]:
-    first = stones.block_point_ptr[block]
-    faces = [
-        stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]] - first
-        for face in range(*stones.block_face_ptr[block : block + 2])
-    ]
-    mesh = manifold(points, faces).to_mesh64()
-    return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
 
 
 def _crossing(points: FloatArray, triangles: IntArray, slack: float) -> FloatArray | None:

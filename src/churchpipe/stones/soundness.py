@@ -71,7 +71,7 @@ def overlapping_stones(
     for row, (i, j) in enumerate(pairs.tolist()):
         for k in (i, j):
             if k not in solids:
-                solids[k] = _solid(stones, k)
+                solids[k] = manifold(*stones.solid(k))
         shared = solids[i] ^ solids[j]
         overlapping[row] = 2.0 * shared.volume() > tolerance * shared.surface_area()
         if progress and row % 64 == 0:
@@ -211,10 +211,3 @@ def _separated(stones: Assemblage, pairs: IntArray, tolerance: float) -> BoolArr
         return bool((behind & (others @ normal[faces].T >= offset[faces] - tolerance).all(axis=0)).any())
 
     return np.array([separates(i, j) or separates(j, i) for i, j in pairs.tolist()], dtype=np.bool_)
-
-
-def _solid(stones: Assemblage, block: int) -> manifold3d.Manifold:
-    start = stones.block_point_ptr[block]
-    faces = range(*stones.block_face_ptr[block : block + 2])
-    nodes = [stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]] - start for face in faces]
-    return manifold(stones.points[start : stones.block_point_ptr[block + 1]], nodes)
