@@ -9,14 +9,13 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from churchpipe.config.tables import listed
 from churchpipe.errors import InputError
 from churchpipe.model.contacts import GAP, OVERLAP
-from churchpipe.model.names import CONTACT_MODEL, STRENGTH, ContactModel, Flow, Planes
+from churchpipe.model.names import CONTACT_MODEL, STRENGTH, ContactModel, Flow, Planes, Start
 from churchpipe.model.quantities import Coordinate, Count, Length, Place, Quantity, Usual, Whole
 from churchpipe.model.stone_path import HALO
 from churchpipe.rigid_blocks.crushing import MOST_PARTS, PARTS
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 
 Method = Literal["limit", "pushover"]
-Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 _Corner = tuple[Coordinate, Coordinate]
 # How far a path goes: less than 1e-6 m or rad is lost to rounding, and refused in Python as well.
 _FURTHEST = Quantity("_deg", 6e-5, high=180, key="furthest_deg")

@@ -10,7 +10,6 @@ from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_
 from churchpipe.generators.laying import Joints
 from churchpipe.generators.masonry import (
     DEFAULT_MATERIAL,
-    Headers,
     Masonry,
     Pattern,
     bonded_offset,
@@ -19,7 +18,7 @@ from churchpipe.generators.masonry import (
     thickness_of,
 )
 from churchpipe.generators.openings import OpeningLike
-from churchpipe.model.building import Building, UnitCell
+from churchpipe.model.building import Building, Headers, UnitCell
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Coordinate, Count, Length
 

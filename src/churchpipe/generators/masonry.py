@@ -9,11 +9,10 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.generators.checks import Brick
 from churchpipe.generators.openings import OpeningLike, holes_and_lintels, rectangle
-from churchpipe.model.building import BondRegion, Panel, PlaneChart, UnitCell
+from churchpipe.model.building import BondRegion, Headers, Panel, PlaneChart, UnitCell
 from churchpipe.model.materials import Material
 
 Pattern = Literal["running", "stack", "header-stretcher"]
-Headers = Literal["english", "flemish", "none"]
 
 # The masonry of the tilting tests S5 and S22 (Malena et al. 2019, section 4.1).
 DEFAULT_MATERIAL = Material("default", unit_weight=28.6e3, friction=0.7)

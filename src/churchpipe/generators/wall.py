@@ -8,10 +8,10 @@ from churchpipe.errors import InputError
 from churchpipe.generators.checks import Brick, check_brick
 from churchpipe.generators.fields import as_dataclass, coerce_fields, materials_of
 from churchpipe.generators.laying import Joints
-from churchpipe.generators.masonry import DEFAULT_MATERIAL, Headers, Masonry, Pattern, check_bond, straight_wall, thickness_of
+from churchpipe.generators.masonry import DEFAULT_MATERIAL, Masonry, Pattern, check_bond, straight_wall, thickness_of
 from churchpipe.generators.openings import OpeningLike
 from churchpipe.model.arguments import whole
-from churchpipe.model.building import Building, UnitCell
+from churchpipe.model.building import Building, Headers, UnitCell
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import Coordinate, Count, Length
 

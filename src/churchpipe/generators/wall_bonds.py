@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal, Protocol
 from churchpipe.errors import InputError
 from churchpipe.generators.arched import ArchedOpening, Given, WallOpening
 from churchpipe.generators.fields import as_dataclass, coerce_fields
-from churchpipe.generators.masonry import Headers, Pattern, check_bond
+from churchpipe.generators.masonry import Pattern, check_bond
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.building import BondRegion, UnitCell
+from churchpipe.model.building import BondRegion, Headers, UnitCell
 from churchpipe.model.quantities import Length
 
 

@@ -6,6 +6,8 @@ Model = Literal["rigid-block", "homogenised-shell"]
 ShellMethod = Literal["limit", "pushover"]
 # Whether sliding dilates.
 Flow = Literal["associative", "non-associative"]
+# The normal forces from which a search without dilatancy begins.
+Start = Literal["centre", "dead-load", "uniform", "associative", "scattered"]
 Planes = Literal["paper", "paper+torsion", "cell"]
 # Where the friction of a joint acts: at its corners, or so near to the middle that uniform pressure resists torsion as it should.
 ContactModel = Literal["corners", "torsion"]

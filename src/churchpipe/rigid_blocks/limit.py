@@ -18,7 +18,7 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
-from churchpipe.model.names import ContactModel, Flow
+from churchpipe.model.names import ContactModel, Flow, Start
 from churchpipe.model.results import LimitState
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.associative import associative_state, dead_load_analysis, fallen_state, unbounded_state, wedge
@@ -29,7 +29,7 @@ from churchpipe.rigid_blocks.equilibrium import Equilibrium, check_connected, eq
 from churchpipe.rigid_blocks.polygons import joint_polygons, parallelograms
 from churchpipe.rigid_blocks.pressed import with_pressed
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
-from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, Start, sliding_analysis
+from churchpipe.rigid_blocks.sliding import Method, SlidingOptions, sliding_analysis
 from churchpipe.rigid_blocks.ties import with_ties
 from churchpipe.rigid_blocks.torsion import shift_about_pressure
 from churchpipe.stones.joint_outlines import covered
