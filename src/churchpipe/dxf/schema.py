@@ -1,7 +1,7 @@
 """churchpipe DXF 1: the layers, tags, attributes, properties and units of a drawing of stones."""
 
 import re
-from typing import Final, Literal
+from typing import Final
 
 from churchpipe.errors import InputError
 
@@ -83,8 +83,6 @@ LARGEST_COORDINATE: Final = 1e12
 # Bodies whose corners agree to this part of their size are the same; VOLUME as drawn may be rounded to 1 %.
 CORNER_TOLERANCE: Final = 1e-6
 VOLUME_TOLERANCE: Final = 1e-2
-
-Units = Literal["m", "dm", "cm", "mm", "km", "in", "ft", "yd", "mi", "mil", "um", "dam", "hm", "us-ft", "us-in", "us-yd", "us-mi"]
 
 
 def is_position_tag(text: str) -> bool:

@@ -69,7 +69,6 @@ class Survey:
     """What a walk through model space gathers; flawed: the sizes of the bodies that are no stones, in drawing units; carried:
     ties and line loads."""
 
-    doc: Any
     repair: bool
     hidden: frozenset[str]
     stones: list[Stone] = field(default_factory=list)
@@ -85,7 +84,7 @@ class Survey:
 def survey(doc: Any, repair: bool) -> Survey:
     """Walk through the model space of an ezdxf document; what is hidden, referenced or on paper is counted."""
     hidden = frozenset(layer.dxf.name.upper() for layer in doc.layers if layer.is_frozen() or layer.is_off())
-    found = Survey(doc, repair, hidden)
+    found = Survey(repair, hidden)
     try:
         asked = count_inserts(doc.modelspace(), {})
         if asked > MOST_INSERTS:
