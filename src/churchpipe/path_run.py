@@ -3,7 +3,7 @@
 A run that was killed goes on from the steps that it kept.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -23,11 +23,11 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.progress import Progress
 from churchpipe.model.results import LimitState
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.stones.joints import crushing_strength, joint_strength
 
-Progress = Callable[[str, float], None]
 _KEYS = ("solver", "control", "step", "steps", "furthest", "halo", "contact_model")
 
 

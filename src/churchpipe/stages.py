@@ -33,11 +33,10 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import CONTACT_MODEL
+from churchpipe.model.progress import Progress
 from churchpipe.model.results import CapacityCurve, CapacityStep, ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
-
-Progress = Callable[[str, float], None]
 
 
 def source(settings: Path, building: Path) -> None:

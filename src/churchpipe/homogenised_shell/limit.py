@@ -1,6 +1,6 @@
 """Collapse load factor of a shell by static limit analysis, eqs. (5)-(7)."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
@@ -20,12 +20,12 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
 from churchpipe.model.names import Planes as PlaneSet
+from churchpipe.model.progress import Progress
 from churchpipe.model.results import ShellLimitState, Status
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
 
 Solver = Literal["auto", "interior-point", "clarabel"]
-Progress = Callable[[str, float], None]
 
 FALLS = (
     "the dead load alone brings it down: a continuum without cohesion cannot hold a flat soffit, a vault too thin for a line of "

@@ -8,7 +8,6 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.large_displacements.cracks import path_cracks
-from churchpipe.large_displacements.record import Progress
 from churchpipe.large_displacements.settlement_path import settlement_path
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -17,6 +16,7 @@ from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import CONTACT_MODEL
+from churchpipe.model.progress import Progress
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.footing import Rectangle, footing

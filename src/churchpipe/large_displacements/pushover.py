@@ -16,7 +16,7 @@ from churchpipe.large_displacements.moving_model import MovingModel, bearing, mo
 from churchpipe.large_displacements.path import PathStep, solve_state
 from churchpipe.large_displacements.path_arguments import check_path
 from churchpipe.large_displacements.path_state import PathState, first_state
-from churchpipe.large_displacements.record import Progress, Record, vanished
+from churchpipe.large_displacements.record import Record, vanished
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.state_program import approached, as_in
 from churchpipe.large_displacements.travelling import live_loads
@@ -31,6 +31,7 @@ from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import ContactModel
+from churchpipe.model.progress import Progress
 from churchpipe.model.results import LimitState
 from churchpipe.model.stone_path import HALO, no_step
 from churchpipe.model.ties import Tie

@@ -1,7 +1,7 @@
 """The steps of a path as they are taken."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -19,8 +19,6 @@ from churchpipe.large_displacements.settings import PATH
 from churchpipe.mechanism import stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.stone_path import FallenStones, LastStep, StepArrays, StonePath
-
-Progress = Callable[[str, float], None]
 
 
 class Record(ABC):

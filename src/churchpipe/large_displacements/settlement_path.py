@@ -15,7 +15,7 @@ from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep
 from churchpipe.large_displacements.path_arguments import check_path
 from churchpipe.large_displacements.path_state import first_state
-from churchpipe.large_displacements.record import Progress, Record
+from churchpipe.large_displacements.record import Record
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.settlement import resistance, settlement_analysis, settlement_model
 from churchpipe.large_displacements.supports import SupportMovement
@@ -29,6 +29,7 @@ from churchpipe.model.doubts import doubt, doubt_argument
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import ContactModel
+from churchpipe.model.progress import Progress
 from churchpipe.model.settlement import SettlementEnding, SettlementPath, SettlementState
 from churchpipe.model.stone_path import HALO, no_step
 from churchpipe.stones.footing import WHOLE_GROUND, stands_on

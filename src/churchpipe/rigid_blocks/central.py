@@ -9,11 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from churchpipe.conic.solve import Solve
+from churchpipe.model.progress import Progress
 from churchpipe.rigid_blocks.central_descent import Descent
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import CoulombState, Near
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
-from churchpipe.rigid_blocks.iterations import Progress, SlidingRun, SolveCount, closed_gap
+from churchpipe.rigid_blocks.iterations import SlidingRun, SolveCount, closed_gap
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, CentralSettings, SchemeSettings
 
 # Rates are measured by the friction: below this, numbers overflow.

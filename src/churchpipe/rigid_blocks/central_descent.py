@@ -7,6 +7,7 @@ import numpy as np
 
 from churchpipe.conic.cholesky import NotDefiniteError
 from churchpipe.model.arrays import FloatArray
+from churchpipe.model.progress import Progress
 from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.central_start import first_rates
 from churchpipe.rigid_blocks.central_steps import advance
@@ -14,7 +15,7 @@ from churchpipe.rigid_blocks.certificate import FLOW_TOLERANCE, RESIDUAL_TOLERAN
 from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem
 from churchpipe.rigid_blocks.coulomb import CoulombState, bipotential_gap
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
-from churchpipe.rigid_blocks.iterations import Progress, SlidingRun, sliding_run
+from churchpipe.rigid_blocks.iterations import SlidingRun, sliding_run
 from churchpipe.rigid_blocks.settings import CentralSettings
 
 # Steps whose mean tells how fast the gap falls.

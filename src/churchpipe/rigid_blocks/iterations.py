@@ -13,6 +13,7 @@ from churchpipe.conic.interior_point.settings import WARM_ITERATIONS
 from churchpipe.conic.program import ConeProgram, ConeSolution, WarmStart
 from churchpipe.conic.solve import Proves, Solve, SolveProgress
 from churchpipe.model.arrays import FloatArray
+from churchpipe.model.progress import Progress
 from churchpipe.model.results import Iteration
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import (
@@ -33,7 +34,6 @@ _MOST_STRESS = 1e4
 # Forces near known ones are solved so many times more exactly than velocities: at the price of an iteration. An error of a motion
 # ends with its step, that of the forces is handed on.
 _FORCES = 0.1
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, slots=True)

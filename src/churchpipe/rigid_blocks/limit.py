@@ -19,6 +19,7 @@ from churchpipe.model.doubts import doubt_argument
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import ContactModel, Flow, Start
+from churchpipe.model.progress import Progress
 from churchpipe.model.results import LimitState
 from churchpipe.model.ties import Tie
 from churchpipe.rigid_blocks.associative import associative_state, dead_load_analysis, fallen_state, unbounded_state, wedge
@@ -35,7 +36,6 @@ from churchpipe.rigid_blocks.torsion import shift_about_pressure
 from churchpipe.stones.joint_outlines import covered
 from churchpipe.wording import counted
 
-Progress = Callable[[str, float], None]
 # Friction follows the centres of pressure until the load factor changes by no more than this share, or for so many rounds, of
 # which the last two may not be told apart. Runs from the centre, after two, follow half of the way, or they would go to and fro.
 _AT_REST = 5e-4

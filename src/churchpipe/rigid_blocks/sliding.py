@@ -1,6 +1,5 @@
 """Non-associative limit analysis: several starts, one headline, and the certificate of each."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -11,6 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.model.arguments import finite, listed
 from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.names import Start
+from churchpipe.model.progress import Progress
 from churchpipe.model.results import Iteration, LimitState, StartRun
 from churchpipe.rigid_blocks.central import from_centre, runs_from_centre
 from churchpipe.rigid_blocks.certificate import Strength
@@ -33,7 +33,6 @@ from churchpipe.rigid_blocks.sliding_state import End, nothing_found, sliding_st
 from churchpipe.rigid_blocks.ties import all_forces, with_tensions
 
 Method = Literal["default", "paper"]
-Progress = Callable[[str, float], None]
 _STARTS: dict[Method, tuple[Start, ...]] = {"default": ("centre", "dead-load"), "paper": ("associative",)}
 # Nobody waits long for a second opinion: once a state is certified, a search gives up after so many steps without half the gap,
 # and near a state that would not lead.

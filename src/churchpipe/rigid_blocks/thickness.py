@@ -13,12 +13,12 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.names import ContactModel
+from churchpipe.model.progress import Progress
 from churchpipe.rigid_blocks.associative import Standing, dead_load_analysis
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from churchpipe.rigid_blocks.limit import point_strength
 from churchpipe.stones.contacts import find_contacts
 
-Progress = Callable[[str, float], None]
 # Where between its ends an interval is tried: at its middle, elsewhere where a solver decides nothing there.
 _TRIED = (0.5, 0.4, 0.6, 0.3, 0.7)
 

@@ -1,7 +1,5 @@
 """Checks of an assemblage: stones that float, that coincide or overlap, and that lack the joints that should hold them."""
 
-from collections.abc import Callable
-
 import manifold3d
 import numpy as np
 import scipy.sparse as sp
@@ -14,6 +12,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOUCHING, Contacts, check_contacts_of
 from churchpipe.model.polyhedra import face_normals
+from churchpipe.model.progress import Progress
 from churchpipe.stones.account import NAMED, near_miss_share, remedy_words, surface_account
 from churchpipe.stones.self_crossing import self_crossing_stones
 from churchpipe.wording import counted
@@ -55,9 +54,7 @@ def duplicate_stones(stones: Assemblage, tolerance: float = 1e-6) -> IntArray:
     return pairs[same]
 
 
-def overlapping_stones(
-    stones: Assemblage, tolerance: float = TOUCHING, progress: Callable[[str, float], None] | None = None
-) -> IntArray:
+def overlapping_stones(stones: Assemblage, tolerance: float = TOUCHING, progress: Progress | None = None) -> IntArray:
     """Return pairs (k, 2) of stones whose solids overlap by more than the tolerance, m.
 
     Bounding boxes that overlap propose pairs. Most of these are excluded by a plane that separates the two stones; for the
@@ -79,7 +76,7 @@ def overlapping_stones(
     return pairs[overlapping]
 
 
-def check_soundness(stones: Assemblage, contacts: Contacts, progress: Callable[[str, float], None] | None = None) -> None:
+def check_soundness(stones: Assemblage, contacts: Contacts, progress: Progress | None = None) -> None:
     """Raise an error that names stones that float, coincide, overlap or cross themselves, and near misses that matter.
 
     Stones overlap if they interpenetrate by more than the contacts' own tolerance. A near miss matters where it is all that a
