@@ -19,7 +19,8 @@ def write_vtu(
 ) -> None:
     """Write the stones as polyhedral cells, with the data of `stones_mesh` and `name`, `panel_name`, `material_name`.
 
-    fallen (nb,): cell data of that name, 1 of stones that have fallen.
+    velocities (nb, 6): point data `velocity` (warp by it to see the mechanism), cell data `speed` of the centroid. fallen (nb,):
+    cell data of that name, 1 of stones that have fallen.
     """
     mesh, order = _mesh(stones, velocities, fallen)
     names = {"name": stones.block_id, "panel_name": stones.panel, "material_name": stones.material}
@@ -43,14 +44,13 @@ def _texts(name: str, values: NameArray) -> str:
     return f'<DataArray type="String" Name="{name}" format="ascii">{codes}</DataArray>\n'
 
 
-def stones_mesh(stones: Assemblage, velocities: npt.ArrayLike | None = None) -> Any:
+def stones_mesh(stones: Assemblage) -> Any:
     """Return the stones as polyhedral cells of a `meshio.Mesh`.
 
     Cell data: `stone` (index), `fixed`, `course`, `panel` and `material` (numbers in alphabetical order of the names),
-    `unit_weight` N/m3. velocities (nb, 6): point data `velocity` (warp by it to see the mechanism), cell data `speed` of the
-    centroid.
+    `unit_weight` N/m3.
     """
-    return _mesh(stones, velocities)[0]
+    return _mesh(stones, None)[0]
 
 
 def _mesh(stones: Assemblage, velocities: npt.ArrayLike | None, fallen: BoolArray | None = None) -> tuple[Any, IntArray]:

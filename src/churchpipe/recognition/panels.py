@@ -30,7 +30,7 @@ from churchpipe.geometry.planar import (
     within,
 )
 from churchpipe.geometry.polygons import corners
-from churchpipe.model.arguments import check_kind, positive
+from churchpipe.model.arguments import check_kind
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import BondRegion, Building, Opening, Panel, Part, Support, UnitCell
@@ -54,6 +54,8 @@ from churchpipe.stones.ring_beams import ring_beams
 Ring = tuple[list[BondRegion], IntArray]
 # A single stone over an opening is a lintel if it is longer than this many stones of the wall.
 LINTEL = 1.25
+# Stones of one wall may be so far apart, m.
+_APART = 1e-3
 # A hole smaller than this part of a stone is a gap between corners, such as mortar where three stones meet, and no opening.
 LEAST_OPENING = 0.02
 
@@ -102,7 +104,7 @@ class FittedPanels:
         return Building(name, self.panels, materials, ground=None, supports=self.supports, vaults=self.vaults)
 
 
-def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | None = None) -> FittedPanels:
+def fit_panels(stones: Assemblage, *, joint: float | None = None) -> FittedPanels:
     """Return the panels whose mid-surfaces are those of the given stones. All walls are upright, plane or on a circle in plan.
 
     Stones that are a barrel or a dome, alone or on walls or a drum laid with it, are vaults instead (see `fit_vaults`).
@@ -117,15 +119,13 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
 
     Parameters
     ----------
-    stones: as drawn. contact_gap: how far apart stones of one wall may be, m. joint: nominal width, m, of mortar joints that the
-    stones leave open; the walls have their mortar.
+    stones: as drawn. joint: nominal width, m, of mortar joints that the stones leave open; the walls have their mortar.
 
     Raises
     ------
     InputError: no wall can be fitted; stones that butt, or ring beams, which panels do not have.
     """
     check_kind("fit_panels: stones", stones, Assemblage)
-    positive("fit_panels: contact_gap", contact_gap, allow_zero=True)
     for what, found in (("butt joints, as of the stones of", stones.butts), ("ring beams, such as", ring_beams(stones))):
         if found.any():
             problem = f"the shell fitted to stones has no {what} {stones.panel[found][0]}"
@@ -137,11 +137,11 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
         named = np.where(stones.fixed | (stones.panel != ""), stones.panel, VAULT)
         return FittedPanels((), supports, np.empty(0, dtype=np.str_), replace(stones, panel=named), vaults)
     ragged = raggedness(stones)
-    planes, unfit = stone_walls(stones, contact_gap, ragged)
+    planes, unfit = stone_walls(stones, _APART, ragged)
     straight, shift = straightened(stones, planes, unfit, ragged)
     if shift.any():
-        planes, unfit = stone_walls(straight, contact_gap, cut=cut_stones(stones, planes, unfit))
-    walls, loose = separate_walls(straight, planes, contact_gap)
+        planes, unfit = stone_walls(straight, _APART, cut=cut_stones(stones, planes, unfit))
+    walls, loose = separate_walls(straight, planes, _APART)
     unfit = np.union1d(unfit, loose)
     if not walls:
         raise InputError(
@@ -150,11 +150,9 @@ def fit_panels(stones: Assemblage, *, contact_gap: float = 1e-3, joint: float | 
             expected="stones with two upright parallel faces",
             remedy="Tag the stones of each wall with PANEL, or run the rigid blocks alone.",
         )
-    rings = [voussoir_rings(wall.elevations, contact_gap) for wall in walls]
+    rings = [voussoir_rings(wall.elevations, _APART) for wall in walls]
     cells, bent = _cells(straight, walls, rings), 2 * float(shift.max())
-    laid = [
-        _panel(straight, wall, walls, contact_gap, bent, ring, cell) for wall, ring, cell in zip(walls, rings, cells, strict=True)
-    ]
+    laid = [_panel(straight, wall, walls, bent, ring, cell) for wall, ring, cell in zip(walls, rings, cells, strict=True)]
     panels, squaring = squared(laid)
     panels = toothed(panels, walls)
     moved = {wall.name: float(shift[wall.stones].max()) + squaring.get(wall.name, 0.0) for wall in walls}
@@ -192,7 +190,6 @@ def _panel(
     stones: Assemblage,
     wall: StoneWall,
     walls: Sequence[StoneWall],
-    contact_gap: float,
     bent: float,
     ring: Ring,
     cell: UnitCell,
@@ -200,8 +197,8 @@ def _panel(
     """Return the panel of a wall with its arches and their stones; bent: how far rounded coordinates may bend a slope of its
     outline, m, 0 where none are."""
     own = wall.elevations
-    sections = filled(stones, wall, walls, contact_gap)
-    region = max(closed(sections, contact_gap), key=lambda part: float(common_areas(own, part).sum()))
+    sections = filled(stones, wall, walls, _APART)
+    region = max(closed(sections, _APART), key=lambda part: float(common_areas(own, part).sum()))
     whole, openings = _openings(region)
     if bent:
         whole = simplified(whole, bent)
@@ -221,7 +218,7 @@ def _panel(
         wall.thickness,
         regions,
         material=str(materials[np.argmax(count)]),
-        openings=tuple(_opening(f"opening-{k}", hole, marks, arches, contact_gap) for k, hole in enumerate(openings, start=1)),
+        openings=tuple(_opening(f"opening-{k}", hole, marks, arches) for k, hole in enumerate(openings, start=1)),
         runs_through=_parity(wall, walls, cell),
         parts=(*ringed, *wall_parts(wall, walls, outline, 0.5 * cell.b, [part.name for part in ringed])),
     )
@@ -252,9 +249,9 @@ def _openings(region: Polygon) -> tuple[Region, list[Polygon]]:
     return (filled[0] if len(filled) == 1 else whole), [*doors, *map(polygon, inner)]
 
 
-def _opening(name: str, hole: Polygon, marks: FloatArray, rings: Sequence[BondRegion], contact_gap: float) -> Opening:
+def _opening(name: str, hole: Polygon, marks: FloatArray, rings: Sequence[BondRegion]) -> Opening:
     outline = _outline(hole, marks)
-    around = tuple(ring.name for ring in rings if within(hole, polygon(ring.outline), contact_gap))
+    around = tuple(ring.name for ring in rings if within(hole, polygon(ring.outline), _APART))
     edge = np.abs(np.roll(outline, -1, axis=0) - outline)
     return Opening(name, outline, "arched" if around or edge.min(axis=1).max() > GRID else "rectangular", around)
 

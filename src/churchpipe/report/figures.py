@@ -99,7 +99,7 @@ def mechanism_picture(
         frame_camera(plotter, framed, viewpoint(stones, motion) if toward is None else toward)
 
 
-def joints_picture(contacts: Contacts, path: str | Path, toward: FloatArray, *, size: tuple[int, int] = PICTURE_SIZE) -> None:
+def joints_picture(contacts: Contacts, path: str | Path, toward: FloatArray) -> None:
     """Write a PNG of the joints, coloured by kind with a key; toward: unit vector (3,) towards the eye."""
     import pyvista as pv
     from matplotlib.colors import to_rgb
@@ -108,7 +108,7 @@ def joints_picture(contacts: Contacts, path: str | Path, toward: FloatArray, *, 
     mesh = pv.PolyData(contacts.point, np.concatenate([np.insert(joint, 0, len(joint)) for joint in corners]))
     shown = {kind: colours.PANELS[number] for number, kind in enumerate(KINDS) if (contacts.kind == kind).any()}
     mesh.cell_data["colour"] = (np.array([to_rgb(shown[kind]) for kind in contacts.kind]) * 255).astype(np.uint8)
-    with scene(path, size) as plotter:
+    with scene(path, PICTURE_SIZE) as plotter:
         plotter.add_mesh(mesh, scalars="colour", rgb=True, lighting=False, show_edges=True, edge_color=colours.EDGE)
         plotter.renderer.add_legend([[kind, colour] for kind, colour in shown.items()], bcolor=None, face="rectangle")
         frame_camera(plotter, contacts.point, toward)

@@ -10,6 +10,10 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.shell import ShellModel
 
 PUSH_LENGTH = 0.16
+# A mechanism is drawn moved by this share of the size of the structure.
+_MOVED = 0.08
+# A joint is drawn as open that opens by more than this share of the widest ones.
+_OPENED = 0.05
 # Degrees above the horizon from where pictures look.
 ELEVATION = 24.0
 # A side may hide this share of the moving stones that the best side shows; so many stones are looked for.
@@ -31,10 +35,10 @@ def reference_strain(size: FloatArray) -> float:
     return float(np.percentile(size[size > 1e-3 * largest], 90)) if largest > 0 else 0.0
 
 
-def shell_amplitude(shell: ShellModel, speed: FloatArray, share: float = 0.08) -> float:
-    """Return the factor on the motion of the nodes (nn,) that moves the mechanism by a share of the structure's size."""
+def shell_amplitude(shell: ShellModel, speed: FloatArray) -> float:
+    """Return the factor on the motion of the nodes (nn,) that moves the mechanism as far as it is drawn."""
     reference = reference_speed(speed)
-    return share * float(np.linalg.norm(np.ptp(shell.points, axis=0))) / reference if reference > 0 else 0.0
+    return _MOVED * float(np.linalg.norm(np.ptp(shell.points, axis=0))) / reference if reference > 0 else 0.0
 
 
 def joint_opening(contacts: Contacts, stones: Assemblage, velocities: FloatArray) -> FloatArray:
@@ -54,15 +58,15 @@ def corner_rates(contacts: Contacts, stones: Assemblage, velocities: FloatArray)
     return np.einsum("pac,pc->pa", contacts.frame[interface], second - first)
 
 
-def opened_joints(opening: FloatArray, share: float = 0.05) -> BoolArray:
+def opened_joints(opening: FloatArray) -> BoolArray:
     """Return True (ni,) for the interfaces that open by more than a share of the widest ones."""
-    return opening > max(share * float(np.percentile(opening, 99.5)) if len(opening) else 0.0, np.finfo(float).tiny)
+    return opening > max(_OPENED * float(np.percentile(opening, 99.5)) if len(opening) else 0.0, np.finfo(float).tiny)
 
 
-def natural_amplitude(stones: Assemblage, speed: FloatArray, share: float = 0.08) -> float:
-    """Return the factor on the velocities that moves the mechanism by a share of the structure's size; 0 without mechanism."""
+def natural_amplitude(stones: Assemblage, speed: FloatArray) -> float:
+    """Return the factor on the velocities that moves the mechanism as far as it is drawn; 0 without mechanism."""
     reference = reference_speed(speed)
-    return share * stones.size / reference if reference > 0 else 0.0
+    return _MOVED * stones.size / reference if reference > 0 else 0.0
 
 
 def displaced_points(stones: Assemblage, velocities: FloatArray, amplitude: float) -> FloatArray:

@@ -170,12 +170,12 @@ def _named(row: Row) -> str:
     return named_of(f"{row.load}, {'shell, ' if row.of_shell else ''}{row.kind}", row.record.variant, row.record.swept)
 
 
-def what_moves(record: Analysis, share: float = TAKES_PART) -> str:
-    """Return the macro-elements that carry at least a share of the motion, with the most first; "" where none is known.
+def what_moves(record: Analysis) -> str:
+    """Return the macro-elements that take part in the motion, with the most first; "" where none is known.
 
     Where no more than a few stones of them move, it says so: the share is that of the motion, not of the macro-element.
     """
-    parts = [part for part in record.parts if part.motion >= share]
+    parts = [part for part in record.parts if part.motion >= TAKES_PART]
     words = ", ".join(f"{part.name} {_percent(part.motion)}" for part in parts)
     check = record.check
     if not parts or not isinstance(check, SafetyCheck) or not 0 < (check.moving_stones or 0) <= FEW_STONES:

@@ -28,6 +28,10 @@ _SECTIONS = (
     ("M22 and M12, N11 = N22 = −1", _M22, _M12, {_N11: -1.0, _N22: -1.0}),
     ("M11 and M12, N11 = N22 = −1", _M11, _M12, {_N11: -1.0, _N22: -1.0}),
 )
+# The part of a curve where it bends ends at three times the displacement at this share of its largest load factor.
+_BENT = 0.97
+# A section of the strength domain that runs away is cut off here.
+_FARTHEST = 3.0
 _NAMES = ("N11", "N22", "N12", "M11 / h", "M22 / h", "M12 / h")
 
 
@@ -50,9 +54,9 @@ def capacity_svg(curves: Sequence[tuple[str, FloatArray, FloatArray]], lines: Se
     return svg_of_panels(bend, whole)
 
 
-def bend_of(place: FloatArray, factor: FloatArray, share: float = 0.97) -> float:
-    """Return three times the displacement at which a curve reaches a share of its largest load factor."""
-    reached = place[np.argmax(factor >= share * factor.max(initial=0.0))]
+def bend_of(place: FloatArray, factor: FloatArray) -> float:
+    """Return the displacement up to which a curve bends."""
+    reached = place[np.argmax(factor >= _BENT * factor.max(initial=0.0))]
     return float(3 * reached) or float(place.max(initial=0.0)) or 1.0
 
 
@@ -141,9 +145,9 @@ def domain_svg(a: float, b: float, h: float, friction: float, bond: str = "runni
     return svg_of_panels(*axes)
 
 
-def _frame(values: FloatArray, most: float = 3.0) -> tuple[float, float]:
+def _frame(values: FloatArray) -> tuple[float, float]:
     """Return limits around the finite part of a section, cut off where it runs away."""
-    seen = np.clip(values[np.isfinite(values)], -most, most)
+    seen = np.clip(values[np.isfinite(values)], -_FARTHEST, _FARTHEST)
     low, high = (float(seen.min()), float(seen.max())) if len(seen) else (-1.0, 1.0)
     # A bond without strength there has but rounding to show.
     room = 0.12 * (high - low) if high - low > _NOTHING else 1.0

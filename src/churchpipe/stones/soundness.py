@@ -43,13 +43,13 @@ def unsupported_stones(stones: Assemblage, contacts: Contacts) -> IntArray:
     return np.setdiff1d(np.flatnonzero(~stones.fixed), held)
 
 
-def duplicate_stones(stones: Assemblage, tolerance: float = 1e-6) -> IntArray:
-    """Return pairs (k, 2) of stones that coincide: same corners within the tolerance, m."""
-    pairs = _close_boxes(stones, -tolerance)
+def duplicate_stones(stones: Assemblage) -> IntArray:
+    """Return pairs (k, 2) of stones that coincide: bounding boxes and centroids to `TOUCHING`, m, and volumes."""
+    pairs = _close_boxes(stones, -TOUCHING)
     low, high = _boxes(stones)
-    same = (np.abs(low[pairs[:, 0]] - low[pairs[:, 1]]) < tolerance).all(axis=1)
-    same &= (np.abs(high[pairs[:, 0]] - high[pairs[:, 1]]) < tolerance).all(axis=1)
-    same &= np.linalg.norm(stones.centroid[pairs[:, 0]] - stones.centroid[pairs[:, 1]], axis=1) < tolerance
+    same = (np.abs(low[pairs[:, 0]] - low[pairs[:, 1]]) < TOUCHING).all(axis=1)
+    same &= (np.abs(high[pairs[:, 0]] - high[pairs[:, 1]]) < TOUCHING).all(axis=1)
+    same &= np.linalg.norm(stones.centroid[pairs[:, 0]] - stones.centroid[pairs[:, 1]], axis=1) < TOUCHING
     same &= np.abs(stones.volume[pairs[:, 0]] / stones.volume[pairs[:, 1]] - 1) < 1e-6
     return pairs[same]
 

@@ -34,17 +34,16 @@ def add_cloister(
     corner: Corner = "round",
     stagger: bool = True,
     key: bool = True,
-    start: float | None = None,
 ) -> None:
     """Add a vault over a regular polygon, whose webs meet in ridges seen from below: a pavilion of four sides, an octagon.
 
     Parameters
     ----------
-    sections: from the springing to the crown, d measured from the axis to the middle of a side, m. key: whether the last one is
-    the stone that closes the vault. start: angle of the first corner, rad; None: sides along x and y.
+    sections: from the springing to the crown, d measured from the axis to the middle of a side, m, of which the
+    first is square to x. key: whether the last one is the stone that closes the vault.
     """
     slope = math.tan(math.pi / sides)
-    around = polygon_sides(centre, sides, -math.pi / sides if start is None else start)
+    around = polygon_sides(centre, sides, -math.pi / sides)
     for course, section in enumerate(sections):
         closing = key and course == len(sections) - 1
         odd = bool(course % 2) and stagger

@@ -35,7 +35,6 @@ def add_rings(
     width: int,
     part: str | Sequence[str],
     stagger: bool = True,
-    start: float = 0.0,
     turn: float = 2 * math.pi,
     shortest: float = 0.0,
     where: str = "dome",
@@ -44,9 +43,9 @@ def add_rings(
 
     Parameters
     ----------
-    sectors: flat sides of a ring, within `turn` rad from `start`. width: sides of one stone. stagger: whether rings of odd number
-    are shifted by half a stone; False lays lunes. part: macro-element of each ring, or of all. shortest: length, m, below
-    which stones double their width, as in `stone_widths`. where: the parameters, for messages.
+    sectors: flat sides of a ring, within `turn` rad from x on. width: sides of one stone. stagger: whether rings of odd number
+    are shifted by half a stone; False lays lunes. part: macro-element of each ring, or of all. shortest: length, m, below which
+    stones double their width, as in `stone_widths`. where: the parameters, for messages.
     """
     if sectors % width:
         raise InputError("dome", "stones do not go round", found=f"{sectors} sides, {width} a stone", expected="a whole number")
@@ -61,7 +60,7 @@ def add_rings(
     full = abs(turn - 2 * math.pi) < 1e-12
     half = turn / sectors / 2
     slope = math.tan(half)
-    around = polygon_sides(centre, sectors, start, turn)
+    around = polygon_sides(centre, sectors, turn=turn)
     parts = [part] * len(sections) if isinstance(part, str) else list(part)
     flat = [section.stretched(math.cos(half)) for section in sections]
     closing = [bool((section.corner[:, 0] < 1e-9).any()) for section in flat]
