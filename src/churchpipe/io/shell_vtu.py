@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from churchpipe.errors import Extra, InputError
+from churchpipe.errors import Extra
 from churchpipe.io.atomic import replacing
 from churchpipe.io.vtu import write_named
 from churchpipe.model.results import CapacityCurve, ShellLimitState
@@ -24,38 +23,14 @@ def write_shell_mechanism(path: str | Path, shell: ShellModel, state: ShellLimit
     _write(path, shell, motion, strain)
 
 
-def write_shell_vtu(path: str | Path, shell: ShellModel, fields: Mapping[str, npt.ArrayLike] | None = None) -> None:
+def write_shell_vtu(path: str | Path, shell: ShellModel) -> None:
     """Write the facets as triangles.
 
     Cell data: `bed` and `up` (vectors along the bed joint and up the courses), `normal`, `thickness` m, `surface_weight` N/m2,
     `course_height` and `stone_length` m, `yields`, `panel` and `material` (numbers in alphabetical order of the names),
     `panel_name` and `material_name`; point data: `supported`.
-
-    Parameters
-    ----------
-    fields: further data by name, one row a node or one a facet: point or cell data; point data where there are as many of both.
-
-    Raises
-    ------
-    InputError: a field with another number of rows.
     """
-    of_nodes: dict[str, Any] = {}
-    of_facets: dict[str, Any] = {}
-    for name, given in (fields or {}).items():
-        values = np.asarray(given)
-        rows = len(values) if values.ndim else 0
-        if rows == len(shell.points):
-            of_nodes[name] = values
-        elif rows == len(shell.triangles):
-            of_facets[name] = values
-        else:
-            raise InputError(
-                f"field {name}",
-                "wrong number of rows",
-                found=rows,
-                expected=f"{len(shell.points)} (nodes) or {len(shell.triangles)} (facets)",
-            )
-    _write(path, shell, of_nodes, of_facets)
+    _write(path, shell, {}, {})
 
 
 def _write(path: str | Path, shell: ShellModel, of_nodes: Mapping[str, Any], of_facets: Mapping[str, Any]) -> None:
