@@ -22,14 +22,16 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.results import StartRun
 from churchpipe.rigid_blocks.associative import associative_program
-from churchpipe.rigid_blocks.central import central_run, from_centre
+from churchpipe.rigid_blocks.central import from_centre
+from churchpipe.rigid_blocks.central_descent import Descent
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
 from churchpipe.rigid_blocks.coulomb import EXACT, CoulombState, admissible, bipotential_gap, dead_load_start
 from churchpipe.rigid_blocks.equilibrium import Equilibrium, equilibrium
 from churchpipe.rigid_blocks.interval import mechanism_interval
-from churchpipe.rigid_blocks.iterations import certified_iteration
+from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration
 from churchpipe.rigid_blocks.limit import analysed, limit_analysis, point_strength
 from churchpipe.rigid_blocks.selection import leading, led_by, nearly, nearly_words
+from churchpipe.rigid_blocks.settings import CentralSettings
 from churchpipe.rigid_blocks.sliding import SlidingOptions
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
@@ -98,6 +100,14 @@ def centred(name: str) -> tuple[Equilibrium, Strength]:
         load, friction = LOADS[name], 0.7
     balance = equilibrium(stones, contacts, load)
     return balance, point_strength(contacts, friction, 0.0, balance.force)
+
+
+def central_run(balance: Equilibrium, strength: Strength) -> SlidingRun | None:
+    """Return one run from the centre, all the way, without programs that close its gap sooner."""
+    descent = Descent(balance, strength, 1e-5, CentralSettings(), short=True)
+    while descent.lower():
+        pass
+    return descent.run
 
 
 @pytest.mark.parametrize("name", ["wall2", "wall3", "wall4", "wall6", "S5"])

@@ -15,7 +15,7 @@ from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import CoulombState, Near
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
 from churchpipe.rigid_blocks.iterations import SlidingRun, SolveCount, closed_gap
-from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP, CentralSettings, SchemeSettings
+from churchpipe.rigid_blocks.settings import CentralSettings, SchemeSettings
 
 # Rates are measured by the friction: below this, numbers overflow.
 _LEAST_FRICTION = 1e-100
@@ -95,23 +95,3 @@ def _closed(
         roughest=settings.duality_gap,
     )
     return closed_gap(balance, strength, n, solve, own, progress, near=Near(near.x, near.y), gap=near.relative_gap)
-
-
-def central_run(
-    balance: Equilibrium,
-    strength: Strength,
-    bipotential_gap: float = BIPOTENTIAL_GAP,
-    settings: CentralSettings | None = None,
-    progress: Progress | None = None,
-) -> SlidingRun | None:
-    """Lower all products of forces and rates alike, to a collapse state without dilatancy; None where no forces balanced.
-
-    Every step is pulled towards low load factors a little. Of the states that differ in self-stress it thus ends at a careful
-    one, and the pull also leads around the folds of the path.
-
-    The gap is that of the arrays: the forces balance and lie inside their cones, all points open.
-    """
-    descent = Descent(balance, strength, bipotential_gap, settings or CentralSettings(), progress, short=True)
-    while descent.lower():
-        pass
-    return descent.run

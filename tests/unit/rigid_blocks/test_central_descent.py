@@ -8,7 +8,6 @@ import pytest
 from churchpipe.model.arrays import BoolArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.rigid_blocks import central_descent
-from churchpipe.rigid_blocks.central import central_run
 from churchpipe.rigid_blocks.central_descent import Descent, falls_too_slowly, steps_left
 from churchpipe.rigid_blocks.central_steps import Move
 from churchpipe.rigid_blocks.contact_newton import ContactState, ContactSystem
@@ -32,7 +31,9 @@ def test_a_share_of_the_points_stops_short_but_no_more_than_a_few(
     balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
     strength = point_strength(contacts, 0.7, 0.0, balance.force)
     monkeypatch.setattr(central_descent, "advance", blocked)
-    central_run(balance, strength, settings=CentralSettings(ignored=share, most_ignored=most, steps=6))
+    descent = Descent(balance, strength, 1e-5, CentralSettings(ignored=share, most_ignored=most, steps=6), short=True)
+    while descent.lower():
+        pass
     few = 3 if most == 3 else len(strength.friction) // 100
     # Later where points were released, which may free the others.
     begun = CentralSettings().held[released > 0]
@@ -51,7 +52,10 @@ def test_points_are_released_after_short_steps(monkeypatch: pytest.MonkeyPatch) 
     stones, contacts = facade("small")
     balance = equilibrium(stones, contacts, LoadCase((1, 0, 0)))
     monkeypatch.setattr(central_descent, "advance", stepped)
-    central_run(balance, point_strength(contacts, 0.7, 0.0, balance.force), settings=CentralSettings(steps=5))
+    strength = point_strength(contacts, 0.7, 0.0, balance.force)
+    descent = Descent(balance, strength, 1e-5, CentralSettings(steps=5), short=True)
+    while descent.lower():
+        pass
     assert found == [False, False, True, True, False]
 
 
