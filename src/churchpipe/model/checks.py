@@ -90,10 +90,11 @@ class DisplacementCheck(Check):
     """The displacement-based check of a capacity curve.
 
     a0: where the motion starts; d0: displacement at which the acceleration vanishes. displacement, acceleration (n,): of the
-    oscillator. idealised: of the two straight lines of the same area. missing: what the case does not say. unproved: which
-    steps of the curve are not proved, and what the check makes of them. lost_seat: which joist loses its seat first, and where,
-    if one does. halved: what steps half as long make of it. limit_states, demand: by the names SLV and SLC. force_based: the
-    check with q of the mechanism that starts the curve. governs: which one, and why.
+    oscillator. a_g_slc: capacity of SLC. d0_stones, a_g_slc_stones: d0 and a_g_slc with e* of the stones. idealised_d0,
+    a_g_slv_idealised: d0 and capacity of SLV of the two straight lines of the same area. missing: what the case does not say.
+    unproved: which steps of the curve are not proved, and what the check makes of them. lost_seat: which joist loses its seat
+    first, and where, if one does. halved: what steps half as long make of it. limit_states, demand: by the names SLV and SLC.
+    force_based: the check with q of the mechanism that starts the curve. governs: which one, and why.
     """
 
     a0: _Acceleration = math.nan
