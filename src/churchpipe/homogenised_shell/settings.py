@@ -1,9 +1,9 @@
 """Constants of the solvers of the shell, checked. How they were chosen: docs/development.md."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 from churchpipe.conic.interior_point.settings import CENTRAL
-from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_constants
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,29 +90,9 @@ class SolverSettings:
     flow_tolerance: float = 1e-13
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            _check(field.name, getattr(self, field.name), getattr(self, field.name) > 0, "> 0")
-        for name in ("growth", "longer"):
-            _check(name, getattr(self, name), getattr(self, name) > 1, "> 1")
-        for name in (
-            "fold",
-            "level",
-            "duality_gap",
-            "last_digits",
-            "standing",
-            "lintel_dissipation",
-            "near",
-            "plateau",
-            "shrink",
-            "shortest",
-            "flow_tolerance",
-        ):
-            _check(name, getattr(self, name), getattr(self, name) < 1, "< 1")
-
-
-def _check(name: str, value: float, good: bool, expected: str) -> None:
-    if not good:
-        raise InputError(f"SolverSettings.{name}", "out of range", found=value, expected=expected)
+        shares = ("fold", "level", "duality_gap", "last_digits", "standing", "lintel_dissipation", "near")
+        steps = ("plateau", "shrink", "shortest", "flow_tolerance")
+        check_constants(self, below_one=(*shares, *steps), above_one=("growth", "longer"))
 
 
 SOLVER = SolverSettings()

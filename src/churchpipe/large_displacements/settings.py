@@ -4,7 +4,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_constants
 from churchpipe.model.stone_path import CREDIBLE, FITS
 
 
@@ -159,15 +159,9 @@ class PathSettings:
 
     def __post_init__(self) -> None:
         no_shares = ("jump", "lengths", "first_programs", "programs", "pairs", "rounds", "whole_way", "large", "strongest")
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not value > 0:
-                raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="> 0")
-            if field.name in ("right", "faster", "deeper", "further"):
-                if not value > 1:
-                    raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="> 1")
-            elif field.name not in no_shares and not value < 1:
-                raise InputError(f"PathSettings.{field.name}", "out of range", found=value, expected="< 1")
+        factors = ("right", "faster", "deeper", "further")
+        shares = [item.name for item in fields(self) if item.name not in (*no_shares, *factors)]
+        check_constants(self, below_one=shares, above_one=factors)
 
 
 PATH = PathSettings()

@@ -3,7 +3,8 @@
 import math
 import numbers
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, cast
 
@@ -133,6 +134,25 @@ def positive(where: str, value: object, *, allow_zero: bool = False) -> None:
         raise InputError(where, "out of range", found=value, expected=expected)
     if 0 < number < _LEAST:
         raise InputError(where, "lost to rounding", found=value, expected=f">= {_LEAST:g}")
+
+
+def check_constants(
+    settings: Any, *, may_be_zero: Sequence[str] = (), below_one: Sequence[str] = (), above_one: Sequence[str] = ()
+) -> None:
+    """Raise InputError unless the numbers of a dataclass, single or in tuples, are > 0, or as is said of the fields named."""
+    for item in fields(settings):
+        name, value = item.name, getattr(settings, item.name)
+        zero, single = name in may_be_zero, cast("tuple[float, ...]", value if isinstance(value, tuple) else (value,))
+        for one in single:
+            for good, expected in (
+                (isinstance(one, bool) or one > 0 or (zero and one == 0), ">= 0" if zero else "> 0"),
+                (name not in below_one or one < 1, "< 1"),
+                (name not in above_one or one > 1, "> 1"),
+            ):
+                if not good:
+                    raise InputError(
+                        f"{type(settings).__name__}.{name}", "out of range", found=cast("object", value), expected=expected
+                    )
 
 
 def whole(where: str, value: object, *, least: int, most: int | None = None) -> int:

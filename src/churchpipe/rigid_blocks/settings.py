@@ -1,10 +1,11 @@
 """Constants of the analyses without dilatancy, checked. How they were chosen: docs/development.md."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_constants
 
 # The gap g / alpha at which a state is certified.
 BIPOTENTIAL_GAP = 1e-5
@@ -33,8 +34,7 @@ class PaperSettings:
     iterations: int = 40
 
     def __post_init__(self) -> None:
-        _check_positive(self)
-        _check_below_one(self, "beta", "slope", "tolerance")
+        check_constants(self, below_one=("beta", "slope", "tolerance"))
         if self.cohesion / self.slope < 0.01 * (1.0 - 1e-9):
             found = f"{self.cohesion:g} / {self.slope:g}"
             raise InputError(
@@ -99,9 +99,8 @@ class CentralSettings:
     duality_gap: float = 5e-7
 
     def __post_init__(self) -> None:
-        _check_positive(self)
         shares = ("pull", "inner", "clip", "fraction", "blocked", "ignored", "handed_on", "foreseen", "near", "momentum")
-        _check_below_one(self, *shares)
+        check_constants(self, below_one=shares)
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,19 +153,5 @@ class SchemeSettings:
     close: float = 1e-3
 
     def __post_init__(self) -> None:
-        _check_positive(self)
         shares = ("violation", "change", "momentum", "slow", "stuck", "share", "roughest", "close")
-        _check_below_one(self, "bipotential_gap", "duality_gap", *shares)
-
-
-def _check_positive(settings: PaperSettings | CentralSettings | SchemeSettings) -> None:
-    for field in fields(settings):
-        value = getattr(settings, field.name)
-        if not all(item > 0 for item in (value if isinstance(value, tuple) else (value,))):
-            raise InputError(f"{type(settings).__name__}.{field.name}", "out of range", found=value, expected="> 0")
-
-
-def _check_below_one(settings: PaperSettings | CentralSettings | SchemeSettings, *names: str) -> None:
-    for name in names:
-        if getattr(settings, name) >= 1:
-            raise InputError(f"{type(settings).__name__}.{name}", "out of range", found=getattr(settings, name), expected="< 1")
+        check_constants(self, below_one=("bipotential_gap", "duality_gap", *shares))

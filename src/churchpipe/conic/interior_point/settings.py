@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 from churchpipe.errors import InputError
+from churchpipe.model.arguments import check_constants
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,19 +42,10 @@ class Settings:
     rate: float = 0.01
 
     def __post_init__(self) -> None:
-        positive = ("duality_gap", "acceptable", "residual", "certificate", "fraction", "force", "rate", "iterations")
-        for name in positive:
-            _check(name, getattr(self, name), getattr(self, name) > 0, "> 0")
-        for name in ("correctors", "ignored", "refinements", "regularisation", "nearly", "nearest"):
-            _check(name, getattr(self, name), getattr(self, name) >= 0, ">= 0")
-        for name in ("fraction", "ignored", "nearest"):
-            _check(name, getattr(self, name), getattr(self, name) < 1, "< 1")
-        _check("regularisation", self.regularisation, self.regularisation < 1e-4, "< 1e-4")
-
-
-def _check(name: str, value: float, good: bool, expected: str) -> None:
-    if not good:
-        raise InputError(f"Settings.{name}", "out of range", found=value, expected=expected)
+        zero = ("correctors", "ignored", "refinements", "regularisation", "nearly", "nearest")
+        check_constants(self, may_be_zero=zero, below_one=("fraction", "ignored", "nearest"))
+        if not self.regularisation < 1e-4:
+            raise InputError("Settings.regularisation", "out of range", found=self.regularisation, expected="< 1e-4")
 
 
 # For programs whose forces and velocities are wanted, not only their value: iterates that keep to the central path.
