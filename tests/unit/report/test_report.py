@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 from matplotlib.image import imread
@@ -468,6 +468,7 @@ def test_stones_that_move_as_one_body_stay_together_and_keep_their_shape() -> No
     np.testing.assert_array_equal(moved[~body], stones.points[~body])
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats(-2, 2), min_size=6, max_size=6))
 def test_displacement_starts_along_the_velocity(u: list[float]) -> None:
     stones = on_ground(prism([(0, 0), (2, 0), (0, 1)], 0.5))
