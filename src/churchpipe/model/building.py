@@ -186,7 +186,8 @@ class Panel(ReadOnly):
             regions=tuple(listed(f"{where}.regions", self.regions, BondRegion)),
             openings=tuple(listed(f"{where}.openings", self.openings, Opening)),
             parts=tuple(listed(f"{where}.parts", self.parts, Part)),
-            filled=floats(f"{where}.filled", self.filled, (None, 4)),
+            # An empty list, as a file of a building has it, tells no width.
+            filled=floats(f"{where}.filled", self.filled if len(self.filled) else np.empty((0, 4)), (None, 4)),
         )
         if not self.regions:
             raise InputError(f"{where}.regions", "no bond", expected="at least one bond region")
