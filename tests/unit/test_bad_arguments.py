@@ -144,7 +144,7 @@ CALLS: list[tuple[Callable[[], object], str]] = [
     (lambda: SiteSpectrum(2.5, 0.35, soil=[]), r"spectrum: soil: unknown value; found list"),
     (lambda: SiteSpectrum(2.5, 0.35, soil=""), r"spectrum: soil: unknown value"),
     (lambda: SiteSpectrum(2.5, 0.35, soil="B", topography=None), r"spectrum: topography: unknown value; found None"),
-    (lambda: SiteSpectrum(np.zeros(0), 0.35), r"Spectrum.amplification: not a number; found ndarray"),
+    (lambda: SiteSpectrum(np.zeros(0), 0.35), r"spectrum: amplification: not a number; found ndarray"),
     (lambda: footing(STONES, CONTACTS, 3), r"footing: place: wrong shape"),
     (lambda: footing(STONES, CONTACTS, ((0, 0), (1, nan))), r"footing: place: not a finite number"),
     (lambda: footing(None, CONTACTS, "a"), r"footing: stones: wrong kind"),

@@ -1,7 +1,7 @@
 """A `Building` as JSON that a person can read."""
 
 import json
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, Field, fields, is_dataclass
 from pathlib import Path
 from typing import Any, get_args
 
@@ -56,12 +56,19 @@ def read_building(path: str | Path) -> Building:
 
 def _encode(value: Any) -> Any:
     if is_dataclass(value):
-        return {"type": type(value).__name__} | {field.name: _encode(getattr(value, field.name)) for field in fields(value)}
+        kept = {field.name: getattr(value, field.name) for field in fields(value) if not _empty_by_default(value, field)}
+        return {"type": type(value).__name__} | {name: _encode(own) for name, own in kept.items()}
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, tuple):
         return [_encode(item) for item in value]
     return value
+
+
+def _empty_by_default(owner: Any, field: Field[Any]) -> bool:
+    """Return whether a field is an array without rows, as it is by default: a list of nothing would not tell its width."""
+    value = getattr(owner, field.name)
+    return field.default_factory is not MISSING and isinstance(value, np.ndarray) and not value.size
 
 
 def _decode(value: Any) -> Any:

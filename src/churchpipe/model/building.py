@@ -186,8 +186,7 @@ class Panel(ReadOnly):
             regions=tuple(listed(f"{where}.regions", self.regions, BondRegion)),
             openings=tuple(listed(f"{where}.openings", self.openings, Opening)),
             parts=tuple(listed(f"{where}.parts", self.parts, Part)),
-            # An empty list, as a file of a building has it, tells no width.
-            filled=floats(f"{where}.filled", self.filled if len(self.filled) else np.empty((0, 4)), (None, 4)),
+            filled=floats(f"{where}.filled", self.filled, (None, 4)),
         )
         if not self.regions:
             raise InputError(f"{where}.regions", "no bond", expected="at least one bond region")
