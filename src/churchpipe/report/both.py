@@ -155,7 +155,6 @@ def domain_plot(meshes: Mapping[str, ShellModel], rows: Sequence[Row]) -> tuple[
     friction = frictions.get(material) if isinstance(frictions, dict) else frictions
     if not friction:
         return "", ""
-    words = (
-        f"{bond} bond, course height {1e3 * a:g} mm, stone length {1e3 * b:g} mm, thickness {1e3 * h:g} mm, friction {friction:g}"
-    )
+    sizes_mm = f"course height {1e3 * a:g} mm, stone length {1e3 * b:.4g} mm, thickness {1e3 * h:g} mm"
+    words = f"{bond} bond, {sizes_mm}, friction {friction:g}"
     return domain_svg(a, b, h, friction, bond), words
