@@ -41,10 +41,10 @@ def write_view(file: Path, page: Path, reading: Reading, changes: Sequence[str] 
             cases = read_variants(file, changes)
             asked, source = questions(cases), cases[0].source
             if isinstance(source, Generated):
-                from churchpipe.stones.blocks import derive_blocks
+                from churchpipe.config.laid_stones import laid_stones
 
                 building = cases[0].building()
-                stones = derive_blocks(building)
+                stones = laid_stones(cases[0], building)
                 applied = _applied(cases, stones)
                 write_findings_page(page, Findings(file.name), stones, after, building, asked, applied)
                 return

@@ -162,10 +162,10 @@ def _check_walls(cases: Iterable[Any]) -> None:
     from dataclasses import asdict
 
     from churchpipe.config.case import Drawing
+    from churchpipe.config.laid_stones import laid_stones
     from churchpipe.config.picked import check_picked, picks
     from churchpipe.importing import check_carried
     from churchpipe.meshes.reader import read_file
-    from churchpipe.stones.blocks import derive_blocks
     from churchpipe.stones.contacts import find_contacts
 
     for case in cases:
@@ -174,9 +174,8 @@ def _check_walls(cases: Iterable[Any]) -> None:
             stones = read_file(case.source.path, unit_weight=weights, **asdict(case.source.reading)).stones
             check_carried(case, stones, find_contacts(stones, **case.tolerances) if picks(case) else None)
             continue
-        building = case.building()
+        stones = laid_stones(case, case.building())
         if picks(case):
-            stones = derive_blocks(building)
             check_picked(case, stones, find_contacts(stones, **case.tolerances))
 
 

@@ -208,12 +208,12 @@ def _stones_of(path: Path, changes: Sequence[str], file: Path) -> tuple[Any, Any
     from dataclasses import asdict
 
     from churchpipe.config.case import Generated, read_case
+    from churchpipe.config.laid_stones import laid_stones
     from churchpipe.meshes.reader import files_of, read_file
-    from churchpipe.stones.blocks import derive_blocks
 
     case = read_case(path, changes)
     if isinstance(case.source, Generated):
-        return case, derive_blocks(case.building())
+        return case, laid_stones(case, case.building())
     source = case.source.path
     if file.exists() and any(map(file.samefile, files_of(source))):
         raise UsageError(f"--out {file}", "the file that the case is made of", expected="another name")

@@ -193,7 +193,7 @@ class Case:
             try:
                 stones = derive_blocks(replace(building, ring_beams=()))
             except InputError as error:
-                raise self.located(error.at(f"{self.path}: {error.where}")) from error
+                raise self.located(error) from error
             self.check_applied(stones)
         return building
 

@@ -738,6 +738,42 @@ def test_a_case_is_checked_with_the_stones_that_a_run_would_lay(capsys: pytest.C
     assert re.search(r"chapel\.toml: line 5, wall east, bond: .*narrower than a quarter of a stone", err)
 
 
+# A box whose door leaves 0.15 x 0.25 m of masonry beside it: no stone of 0.6 m is laid there.
+NARROW = """
+[source]
+generator = "box"
+length_m = 3.0
+width_m = 2.4
+brick_mm = [600, 200, 250]
+courses = 4
+joints = "bay"
+
+[[source.openings_x]]
+start_m = 0.3
+width_m = 0.8
+height_courses = 3
+
+[material.default]
+unit_weight_kN_m3 = 18
+friction = 0.6
+
+[[load]]
+direction = [0, 1, 0]
+"""
+
+
+@pytest.mark.parametrize("carried", ["", '[[line_loads]]\nwall = "north"\ndead_kN_m = 1\n'], ids=["bare", "loaded"])
+@pytest.mark.parametrize("command", ["check", "view", "export-dxf", "export-obj", "run"])
+def test_stones_that_cannot_be_laid_have_the_line_of_their_source(
+    command: str, carried: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    names = {"view": "page.html", "export-dxf": "stones.dxf", "export-obj": "stones.obj", "run": "run"}
+    written = ["-o", tmp_path / names[command]] if command in names else []
+    code, _, err = call(capsys, command, case_file(tmp_path, NARROW + carried), *written)
+    assert code == 1
+    assert re.search(r"case\.toml: line 2, wall south, bond: .*narrower than a quarter of a stone", err)
+
+
 def test_progress_elsewhere_than_on_a_terminal_is_lines(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [0.0]
     monkeypatch.setattr("churchpipe.terminal.time.perf_counter", lambda: now[0])
