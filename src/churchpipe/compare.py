@@ -90,6 +90,8 @@ def summary(
 
 # So many sentences of one kind.
 _FEW_LINES = 3
+# A capacity curve starts no further than this share above the state without dilatancy.
+_START = 0.005
 # Why load factors of one structure differ, by the kind of analysis.
 _REASONS = {
     "associative": "joints of an associative analysis open as they slide (dilatancy), so its load factor is an upper estimate",
@@ -131,9 +133,9 @@ def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] |
     """Return a sentence for each question that several analyses answer: which load factor to use, and why they differ.
 
     The careful one leads, as in `careful_first`. A sweep has one sentence for all its questions, besides those of load factors
-    below zero, which are none of the building, of stones that may come out, and of lower states nearly as exact. vaults: names
-    of the vaults of each geometry; where there are some, a sentence before the others says why the value without dilatancy
-    counts.
+    below zero, which are none of the building, of stones that may come out, of lower states nearly as exact, and of capacity
+    curves that start lower. vaults: names of the vaults of each geometry; where there are some, a sentence before the others
+    says why the value without dilatancy counts.
     """
     asked = [[record for record in records if record.stands] for records in _asked(analyses).values()]
     # One that is below zero is told of even where it stands alone.
@@ -147,7 +149,7 @@ def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] |
     if len(sentences) > 3:
         reasons = _reasons([record for records in several for record in records])
         sentences = [f"Of the load factors for one load and one strength use the lowest. They differ because {reasons}."]
-    return first + sentences + _of_lower_states(standing, NEARLY, "states")
+    return first + sentences + _of_lower_states(standing, NEARLY, "states") + _of_lower_curves(analyses)
 
 
 def _of_vaults(asked: Sequence[Sequence[Analysis]], names: Sequence[str]) -> list[str]:
@@ -171,7 +173,7 @@ def _advice(records: Sequence[Analysis]) -> str:
     others = [f"{record.load_factor:z.4f} ({_kind(record)})" for record in records if record not in alike]
     start = f"{_load_words(first)}: use {least} ({'; '.join(map(_kind, alike))})"
     if not others:
-        return f"{start}, in which all analyses agree."
+        return f"{start}, in which all limit analyses agree."
     return f"{start}, the careful value, not {', '.join(others)}; they differ because {_reasons(records)}."
 
 
@@ -181,6 +183,24 @@ def _of_lower_states(analyses: Sequence[Analysis], mark: str, found: str) -> lis
     said = [f"{_load_words(record)}: {part}." for record in sliding for part in record.message.split("; ") if mark in part]
     more = len(said) - _FEW_LINES
     rest = [f"{counted(more, 'other analysis', 'other analyses')} found such {found}."] if more > 0 else []
+    return said[:_FEW_LINES] + rest
+
+
+def _of_lower_curves(analyses: Sequence[Analysis]) -> list[str]:
+    """Return what capacity curves of the stones say, which know no dilatancy, that start below what no analysis without it tells
+    of, as sentences."""
+    said: list[str] = []
+    for records in _asked(analyses).values():
+        known = [record for record in records if record.stands]
+        starts = [one.load_factor for one in records if one.method == "curve" and one.status in GOOD]
+        least = min((factor for factor in starts if np.isfinite(factor)), default=np.inf)
+        if any(record.flow == "non-associative" for record in known) or not known:
+            continue
+        if least < min(record.load_factor for record in known) * (1 - _START):
+            start = f"{_load_words(known[0])}: its capacity curve, which is without dilatancy, starts lower, at {least:z.4f}."
+            said.append(f'{start} Ask for that value: flow = ["associative", "non-associative"] under [rigid].')
+    more = len(said) - _FEW_LINES
+    rest = [f"{counted(more, 'other curve starts', 'other curves start')} lower, too."] if more > 0 else []
     return said[:_FEW_LINES] + rest
 
 

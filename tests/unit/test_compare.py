@@ -101,7 +101,7 @@ def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
     assert "planes of the paper" not in sentence
     # Too large by nature: planes never lead where something else is known.
     assert guidance([associative, analysed(0.206501, flow="non-associative")]) == [
-        "Load -y: use 0.2065 (rigid blocks, associative; rigid blocks, non-associative), in which all analyses agree."
+        "Load -y: use 0.2065 (rigid blocks, associative; rigid blocks, non-associative), in which all limit analyses agree."
     ]
     # Where the stones agree under both flow rules, dilatancy is not why the shell differs.
     [sentence] = guidance([associative, analysed(0.206501, flow="non-associative"), shell])
@@ -109,6 +109,23 @@ def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
     [sentence] = guidance([associative, analysed(0.15, method="limit", planes="paper")])
     assert sentence.startswith("Load -y: use 0.2065 (rigid blocks, associative)")
     assert "planes of the paper are an outer approximation" in sentence
+
+
+def test_a_capacity_curve_that_starts_lower_is_told_of() -> None:
+    # A round tower with a door, pushed across: nothing else in the run says how much of its load factor is dilatancy.
+    tower = [analysed(0.7416, flow="associative", contact_model=model) for model in ("corners", "torsion")]
+    curve = replace(analysed(0.5404, status="converged", method="curve"), model="rigid-block")
+    advice, said = guidance([*tower, curve])
+    assert advice.endswith("in which all limit analyses agree.")
+    assert said.startswith("Load -y: its capacity curve, which is without dilatancy, starts lower, at 0.5404.")
+    assert 'flow = ["associative", "non-associative"]' in said
+    # Of one analysis as well; not beside one without dilatancy, nor of a curve that is not proved, nor of one that agrees.
+    assert guidance([tower[0], curve]) == [said]
+    assert len(guidance([*tower, analysed(0.54, flow="non-associative", status="converged"), curve])) == 1
+    assert not guidance([tower[0], replace(curve, status="not-converged")])
+    assert not guidance([tower[0], replace(curve, load_factor=0.739)])
+    many = [replace(one, load=str(number)) for number in range(5) for one in (tower[0], curve)]
+    assert guidance(many)[-1] == "2 other curves start lower, too."
 
 
 def test_cohesion_is_named_where_it_makes_the_shell_stronger() -> None:
@@ -162,7 +179,7 @@ def test_a_load_factor_below_zero_is_none_to_use() -> None:
 def test_a_load_factor_that_rounds_to_nothing_is_not_below_zero() -> None:
     nothing = [analysed(-5e-11, flow="associative"), analysed(-4e-5, flow="non-associative")]
     assert guidance(nothing) == [
-        "Load -y: use 0.0000 (rigid blocks, associative; rigid blocks, non-associative), in which all analyses agree."
+        "Load -y: use 0.0000 (rigid blocks, associative; rigid blocks, non-associative), in which all limit analyses agree."
     ]
 
 
