@@ -146,6 +146,17 @@ def check_fits(where: str, vault: RoomVault, room: Room) -> None:
                     expected=f"z = {room.top:g} m from {span[0]:.4g} to {span[1]:.4g} m",
                     remedy="Leave out its gable (ridge), or take a barrel." if vault.kind != "barrel" else "",
                 )
+    # Vaults other than barrels lie on the corners of the room as well, where a tower may begin.
+    for wall, (low, high) in carry if vault.kind != "barrel" else ():
+        for s, z in _tops(wall, (low - deep, high + deep)):
+            if z > room.top + CLOSE:
+                raise InputError(
+                    where,
+                    f"the wall {wall.name} goes on beside the vault, which lies on the corner of its room",
+                    found=f"z = {z:.4g} m at {wall.along} = {s:.4g} m",
+                    expected=f"z = {room.top:g} m from {low - deep:.4g} to {high + deep:.4g} m",
+                    remedy="Give a tower at this corner a width of its own, or take a barrel.",
+                )
     width, length = room.x[1] - room.x[0], room.y[1] - room.y[0]
     if vault.kind in ("pavilion", "dome") and abs(width - length) > CLOSE:
         raise InputError(

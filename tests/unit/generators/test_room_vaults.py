@@ -182,6 +182,20 @@ def test_what_does_not_fit_is_named_with_its_numbers(build: str, vault: dict[str
         make(vaults=(BARREL | vault,), **base)
 
 
+@pytest.mark.parametrize("kind", ["groin", "pavilion", "dome"])
+def test_a_vault_on_the_corners_of_its_room_is_refused_beside_a_tower(kind: str) -> None:
+    # The tower takes the whole arm: its walls rise from the corner of the nave, and stood in the vault.
+    nave, facade = CROSS["nave"] | {"length": 4.0}, {"thickness": 0.6}
+    tower = CROSS | {"nave": nave, "facade": facade, "tower": {"height": 6.0}}
+    message = r"church\.vaults\.0: the wall nave_left goes on beside the vault.*; found z = 6 m at y = 3\.7 m; expected z = 4 m"
+    with pytest.raises(InputError, match=message):
+        church(vaults=({"over": "nave", "kind": kind, "thickness": 0.2, "courses": 9},), **tower)
+    # A barrel ends before the triumphal arch, and a tower that takes a part of the arm leaves the corner free.
+    sound(church(vaults=({"over": "nave", "thickness": 0.2, "courses": 9},), **tower))
+    narrow = tower | {"transept": CROSS["transept"] | {"width": 12.0}, "tower": {"height": 6.0, "width": 2.0}}
+    sound(church(vaults=({"over": "nave", "kind": kind, "thickness": 0.2, "courses": 9},), **narrow))
+
+
 def test_a_room_has_one_vault() -> None:
     with pytest.raises(InputError, match=r"chapel\.vaults\.1\.over: has a vault already; found nave"):
         chapel(vaults=(BARREL, BARREL), **CHAPEL)
