@@ -43,7 +43,7 @@ from churchpipe.recognition.squaring import squared
 from churchpipe.recognition.stone_walls import StoneWall, cut_stones, stone_walls
 from churchpipe.recognition.straightening import straightened
 from churchpipe.recognition.supports import support_of
-from churchpipe.recognition.toothing import toothed
+from churchpipe.recognition.toothing import SeldomBonded, seldom_bonded, toothed
 from churchpipe.recognition.vaults import VAULT, fit_vaults
 from churchpipe.recognition.wall_parts import junction_spans, wall_parts
 from churchpipe.stones.mortar import with_mortar
@@ -69,7 +69,7 @@ class FittedPanels:
     of each stone, and its panel is the one fitted, or the part of it. If none of the stones of a name could be fitted they keep
     that name, so that the gate reports what is missing. Other stones without a panel have "". moved: by the names of the walls,
     how far their stones were moved at most to lie in line (see `straightened`), and they themselves to meet at right angles (see
-    `squared`), m; for the panels alone, not in `stones`.
+    `squared`), m; for the panels alone, not in `stones`. seldom: pairs of walls that stones bond too seldom for a shell.
     """
 
     panels: tuple[Panel, ...]
@@ -78,6 +78,7 @@ class FittedPanels:
     stones: Assemblage
     vaults: tuple[Vault, ...] = ()
     moved: Mapping[str, float] = field(default_factory=dict[str, float])
+    seldom: tuple[SeldomBonded, ...] = ()
 
     @property
     def panel(self) -> NameArray:
@@ -98,8 +99,10 @@ class FittedPanels:
 
         Raises
         ------
-        InputError: a panel of another material.
+        InputError: a panel of another material; walls that stones bond more rarely than the shell would.
         """
+        for pair in self.seldom:
+            raise pair.error()
         materials = materials or tuple(UnitWeight(*item) for item in self.stones.mean_unit_weights.items())
         return Building(name, self.panels, materials, ground=None, supports=self.supports, vaults=self.vaults)
 
@@ -161,7 +164,8 @@ def fit_panels(stones: Assemblage, *, joint: float | None = None) -> FittedPanel
     panel = np.where(stones.fixed | np.isin(stones.panel, known), "", stones.panel).astype(np.object_)
     for wall in walls:
         panel[wall.stones] = wall.tag
-    return FittedPanels(tuple(panels), supports, stones.block_id[unfit], replace(stones, panel=panel.astype(str)), moved=moved)
+    named, seldom = replace(stones, panel=panel.astype(str)), seldom_bonded(panels, walls)
+    return FittedPanels(tuple(panels), supports, stones.block_id[unfit], named, moved=moved, seldom=seldom)
 
 
 def wall_names(stones: Assemblage, joint: float | None) -> NameArray:

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from churchpipe.errors import InputError
 from churchpipe.match import match_models
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.recognition.panels import fit_panels
@@ -73,12 +74,37 @@ def test_a_wall_may_be_first_at_one_end_and_second_at_the_other() -> None:
     assert match_models(fitted.stones, find_contacts(stones), derive_shell(fitted.building(), element_size=0.5)).passed
 
 
-def test_walls_with_few_bonding_stones_are_not_taken_for_toothed() -> None:
-    # The shell would overrate their bond: the gate has to see that they are no toothed walls.
-    stones, _ = _walls((0.25,) * 8, 0.0, lambda course: course % 4 == 1)
+@pytest.mark.parametrize("middle", [0.0, 1.2], ids=["corner", "T"])
+@pytest.mark.parametrize(("every", "turns"), [(3, 8), (4, 6), (12, 2)])
+def test_walls_with_few_bonding_stones_have_no_shell(every: int, turns: int, middle: float) -> None:
+    # The shell would overrate their bond, and weights tell it only where walls are short.
+    stones, _ = _walls((0.25,) * 12, middle, lambda course: course % every == 1)
     fitted = fit_panels(stones)
-    assert not any(len(panel.filled) for panel in fitted.panels)
-    assert not match_models(fitted.stones, find_contacts(stones), derive_shell(fitted.building(), element_size=0.5)).passed
+    message = rf"junction of across and along: .* too seldom for the shell \(they take turns at {turns} of 11 beds\)"
+    with pytest.raises(InputError, match=message):
+        fitted.building()
+    assert sorted(set(fitted.panel.tolist())) == ["", "across", "along"]
+
+
+def test_half_courses_that_are_toothed_two_by_two_are_bonded_at_each_bed_of_the_other_wall() -> None:
+    solids, panel = [], []
+    for course, z in enumerate(pairwise(np.arange(9) * 0.25)):
+        runs, half = course % 2 == 1, 0.5 * sum(z)
+        along = _row(ACROSS if runs else 0.0, 3.0, STONE)
+        across = _row(0.0 if runs else ALONG, 2.5, STONE)
+        solids += [box(x, (0.0, ALONG), z) for x in along]
+        solids += [box((0.0, ACROSS), y, part) for y in across for part in ((z[0], half), (half, z[1]))]
+        panel += ["along"] * len(along) + ["across"] * 2 * len(across)
+    stones = Assemblage.from_polyhedra([GROUND, *solids], 18e3, fixed=[0], panel=["", *panel])
+    assert not fit_panels(stones).seldom
+
+
+def test_nothing_joins_walls_of_a_drawing_that_butt() -> None:
+    stones, _ = _walls((0.25,) * 8, 0.0, lambda _: False)
+    shell = derive_shell(fit_panels(stones).building(), element_size=0.5)
+    nodes = [set(shell.triangles[shell.panel == name].ravel().tolist()) for name in ("along", "across")]
+    assert all(nodes)
+    assert not nodes[0] & nodes[1]
 
 
 def test_courses_of_one_height_need_no_account_of_what_a_wall_fills() -> None:
