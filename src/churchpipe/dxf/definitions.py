@@ -130,7 +130,7 @@ def read_definition(block: Any, matrix: Matrix, findings: list[Finding], repair:
         return content
     if body.warp:
         findings.append(warped(body.warp, place))
-    content.solids = [Solid(body, place, schema.SOLID)]
+    content.solids = [Solid(body, place, drawn[0].layer if drawn else "0")]
     findings += _check_constants(content, body, place, repair)
     return content
 

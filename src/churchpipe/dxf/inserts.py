@@ -1,17 +1,53 @@
-"""How many stones the inserts of a drawing ask for: arrays, and blocks in blocks."""
+"""How many stones the inserts of a drawing ask for, arrays and blocks in blocks, and which of them are seen."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from ezdxf.entities.insert import Insert
 from ezdxf.math import Vec3
 
+from churchpipe.dxf.traces import KINDS
 from churchpipe.model.arrays import FloatArray
 
 # Arrays of arrays can ask for more stones than there is memory.
 MOST_INSERTS = 200_000
 # Blocks in blocks: people nest a handful.
 DEEPEST = 50
+# Entities that can be stones or their outlines, or hold them.
+DRAWN = frozenset({*KINDS, "INSERT", "MESH", "3DFACE", "3DSOLID", "BODY"})
+
+
+@dataclass(frozen=True, slots=True)
+class Hidden:
+    """Names of layers in capitals: those on which nothing is seen, off or frozen, and the frozen ones among them.
+
+    As in CAD programs, what is in a block is seen by the layer that it lies on itself. An insert on a layer that is off hides
+    only what lies on layer 0 in its block, which takes the layer of the insert; one on a frozen layer hides all.
+    """
+
+    all: frozenset[str]
+    frozen: frozenset[str]
+
+    def hides(self, insert: Insert, layer: str, trail: tuple[str, ...] = ()) -> bool:
+        """Return whether an insert on a layer hides all that could be a stone in its block."""
+        if layer not in self.all:
+            return False
+        name, block = insert.dxf.name.upper(), insert.block()
+        if layer in self.frozen or block is None or name in trail:
+            return True
+        for entity in block:
+            own = entity_layer(entity.dxf.layer, layer)
+            if entity.dxftype() in DRAWN and own not in self.all:
+                return False
+            if isinstance(entity, Insert) and own in self.all and not self.hides(entity, own, (*trail, name)):
+                return False
+        return True
+
+
+def entity_layer(name: str, of_insert: str) -> str:
+    """Return the layer of an entity in capitals; what lies on layer 0 in a block is on the layer of the insert."""
+    return of_insert if name == "0" else name.upper()
 
 
 class TooDeepError(Exception):

@@ -13,7 +13,17 @@ from churchpipe.dxf.attributes import read_labels
 from churchpipe.dxf.bodies import BAD_ENTITY, NOT_SANE, Faces, ground_plate, is_sane, repaired
 from churchpipe.dxf.carried import Drawn
 from churchpipe.dxf.definitions import Definition, Matrix, read_content, read_definition, transformed, warped
-from churchpipe.dxf.inserts import DEEPEST, MOST_INSERTS, TooDeepError, array_offsets, array_size, count_inserts
+from churchpipe.dxf.inserts import (
+    DEEPEST,
+    DRAWN,
+    MOST_INSERTS,
+    Hidden,
+    TooDeepError,
+    array_offsets,
+    array_size,
+    count_inserts,
+    entity_layer,
+)
 from churchpipe.dxf.traces import KINDS, Trace, traces_of
 from churchpipe.findings import Finding, Place
 from churchpipe.geometry.mending import signed_volume
@@ -70,7 +80,7 @@ class Survey:
     ties and line loads."""
 
     repair: bool
-    hidden: frozenset[str]
+    hidden: Hidden
     stones: list[Stone] = field(default_factory=list)
     findings: list[Finding] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)
@@ -83,8 +93,9 @@ class Survey:
 
 def survey(doc: Any, repair: bool) -> Survey:
     """Walk through the model space of an ezdxf document; what is hidden, referenced or on paper is counted."""
-    hidden = frozenset(layer.dxf.name.upper() for layer in doc.layers if layer.is_frozen() or layer.is_off())
-    found = Survey(repair, hidden)
+    frozen = frozenset(layer.dxf.name.upper() for layer in doc.layers if layer.is_frozen())
+    off = frozenset(layer.dxf.name.upper() for layer in doc.layers if layer.is_off())
+    found = Survey(repair, Hidden(off | frozen, frozen))
     try:
         asked = count_inserts(doc.modelspace(), {})
         if asked > MOST_INSERTS:
@@ -93,7 +104,7 @@ def survey(doc: Any, repair: bool) -> Survey:
         _visit(found, read_content(list(doc.modelspace()), "", "", IDENTITY, found.findings), _Branch())
         for layout in doc.layouts:
             if layout.is_any_paperspace:
-                drawn = sum(e.dxftype() in (*KINDS, "INSERT", "MESH", "3DFACE", "3DSOLID", "BODY") for e in layout)
+                drawn = sum(e.dxftype() in DRAWN for e in layout)
                 found.left_out["in paper space"] += drawn
     except TooDeepError as deep:
         what = f"blocks nested more than {DEEPEST} deep, from {deep.trail[0]} on down to {deep.trail[-1]}"
@@ -124,8 +135,8 @@ def summary(found: Survey) -> list[Finding]:
 def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
     """Gather everything that one level of the drawing holds."""
     for index, solid in enumerate(content.solids):
-        layer = _layer(solid.layer, branch)
-        if layer in found.hidden:
+        layer = entity_layer(solid.layer, branch.layer)
+        if layer in found.hidden.all:
             found.left_out[HIDDEN] += 1
             continue
         if solid.body.flaw and found.repair:
@@ -158,12 +169,12 @@ def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
             place = Place(other.dxftype(), other.dxf.handle or "", content.name)
             found.findings.append(place.finding("E03", "it has lost the entity it belongs to"))
             continue
-        layer = _layer(other.dxf.layer, branch)
+        layer = entity_layer(other.dxf.layer, branch.layer)
         if other.dxftype() not in KINDS:
             found.left_out[f"{other.dxftype()} (no solid)"] += 1
         elif isinstance(other, Polymesh):
             found.left_out["polygon meshes (explode them to 3D faces)"] += 1
-        elif layer in found.hidden or other.dxf.invisible:
+        elif layer in found.hidden.all or other.dxf.invisible:
             found.left_out[HIDDEN] += 1
         else:
             _gather_traces(found, other, branch, layer)
@@ -191,10 +202,10 @@ def _gather_traces(found: Survey, entity: Any, branch: _Branch, layer: str) -> N
 
 
 def _visit_loose(found: Survey, face: Any, branch: _Branch) -> None:
-    layer = _layer(face.dxf.layer, branch)
+    layer = entity_layer(face.dxf.layer, branch.layer)
     corner = np.array(face.dxf.vtx0.xyz)
     place = _at(Place("3DFACE", face.dxf.handle or ""), branch.matrix, corner)
-    if layer in found.hidden:
+    if layer in found.hidden.all:
         found.left_out[HIDDEN] += 1
     elif not _is_ground(found, layer, branch, place):
         remedy = "Close it, or put it on CP-SUPPORT if it is ground."
@@ -216,7 +227,7 @@ def _visit_loose(found: Survey, face: Any, branch: _Branch) -> None:
 
 def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
     """Follow an insert, each member of an array by itself."""
-    layer = _layer(insert.dxf.layer, branch)
+    layer = entity_layer(insert.dxf.layer, branch.layer)
     name = insert.dxf.name
     place = Place("INSERT", insert.dxf.handle or "", name)
     where = np.array(insert.ocs().to_wcs(insert.dxf.insert).xyz)
@@ -226,7 +237,7 @@ def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
     place = _at(place, branch.matrix, where)
     block = insert.block()
     many = array_size(insert)
-    if layer in found.hidden or insert.dxf.invisible:
+    if insert.dxf.invisible or found.hidden.hides(insert, layer):
         found.left_out[HIDDEN] += many
     elif block is None:
         remedy = "Insert the block again from its source, or delete the insert."
@@ -283,6 +294,9 @@ def _visit_member(found: Survey, insert: Insert, block: Any, branch: _Branch, pl
     own = texts.get(schema.ID) or place.handle
     before = len(found.stones) + len(found.traces)
     labelled = content.tagged or (len(content.solids) == 1 and bool(texts))
+    if labelled and content.solids and entity_layer(content.solids[0].layer, branch.layer) in found.hidden.all:
+        found.left_out[HIDDEN] += 1
+        return
     if labelled and content.solids:
         _add_stone(found, content, texts, branch, place, suffix)
         content = Definition(inserts=content.inserts)
@@ -362,11 +376,6 @@ def _is_ground(found: Survey, layer: str, branch: _Branch, place: Place) -> bool
     if not branch.fixed and layer in schema.GROUND and layer != schema.SUPPORT:
         found.findings.append(place.finding("W43", f"ground by its layer, {layer}"))
     return branch.fixed or layer in schema.GROUND
-
-
-def _layer(name: str, branch: _Branch) -> str:
-    """Return the layer of an entity in capitals; what lies on layer 0 in a block is on the layer of the insert."""
-    return branch.layer if name == "0" else name.upper()
 
 
 def _at(place: Place, matrix: Matrix, point: FloatArray) -> Place:

@@ -1,4 +1,4 @@
-"""Which wall fills each part of a junction of drawn walls, where a count of courses cannot tell, and how often they take turns."""
+"""Which wall fills each part of a junction of drawn walls where a count of courses cannot tell, and how often they take turns."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -230,16 +230,59 @@ def test_a_patch_of_ground_is_a_plate_below_it_however_it_was_drawn(tmp_path: Pa
 
 def test_hidden_stones_are_left_out_and_counted(tmp_path: Path) -> None:
     def hide(doc: Any) -> None:
-        for layer, copies in (("OFF", 2), ("FROZEN", 3)):
+        plain = doc.blocks.new("PLAIN")
+        box_mesh().render_mesh(plain)
+        for layer, copies, block in (("OFF", 2, "PLAIN"), ("FROZEN", 3, wedge_insert(doc).dxf.name)):
             doc.layers.add(layer)
             for _ in range(copies):
-                doc.modelspace().add_blockref(wedge_insert(doc).dxf.name, (9, 9, 9), dxfattribs={"layer": layer})
+                doc.modelspace().add_blockref(block, (9, 9, 9), dxfattribs={"layer": layer})
         doc.layers.get("OFF").off()
         doc.layers.get("FROZEN").freeze()
 
     drawing = read_drawing(edited(tmp_path / "a.dxf", hide))
     assert drawing.stones.count == 2
     assert "left out: 5 hidden" in str(drawing.findings)
+
+
+def box_mesh(x: float = 0.0) -> MeshBuilder:
+    mesh = MeshBuilder()
+    points, faces = box((x, 0.0, 0.0), (0.2, 0.2, 0.2))
+    mesh.add_mesh(vertices=Vec3.list(points.tolist()), faces=list(faces))
+    return mesh
+
+
+@pytest.mark.parametrize("nested", [False, True], ids=["alone", "nested"])
+@pytest.mark.parametrize("layer", ["SHOWN", "DARK", "0"])
+@pytest.mark.parametrize("insert", ["SHOWN", "OFF", "FROZEN"])
+def test_a_layer_that_is_off_hides_what_lies_on_it_and_a_frozen_one_inserts_with_all_they_hold(
+    insert: str, layer: str, nested: bool, tmp_path: Path
+) -> None:
+    # As AutoCAD shows them: what lies on layer 0 in a block takes the layer of the insert.
+    document = ezdxf.new("R2010", units=6)
+    for name in ("SHOWN", "OFF", "FROZEN", "DARK"):
+        document.layers.add(name)
+    for name in ("OFF", "DARK"):
+        document.layers.get(name).off()
+    document.layers.get("FROZEN").freeze()
+    box_mesh().render_mesh(document.blocks.new("STONE"), dxfattribs={"layer": layer})
+    document.blocks.new("OUTER").add_blockref("STONE", (0, 0, 0))
+    space = document.modelspace()
+    space.add_blockref("OUTER" if nested else "STONE", (0, 0, 0), dxfattribs={"layer": insert})
+    box_mesh(1.0).render_mesh(space)
+    document.saveas(tmp_path / "layers.dxf")
+    drawing = read_drawing(tmp_path / "layers.dxf", support="base", unit_weight=18e3)
+    seen = insert != "FROZEN" and layer != "DARK" and (insert == "SHOWN" or layer == "SHOWN")
+    assert (~drawing.stones.fixed).sum() == 1 + seen
+    assert ("left out: 1 hidden" in str(drawing.findings)) == (not seen)
+
+
+@pytest.mark.parametrize(("layer", "count"), [("CP-BLOCKS", 2), ("CP-SOLID", 1)])
+def test_the_body_of_a_labelled_stone_is_seen_by_its_own_layer(layer: str, count: int, tmp_path: Path) -> None:
+    def hide(doc: Any) -> None:
+        box_mesh().render_mesh(doc.modelspace())
+        doc.layers.get(layer).off()
+
+    assert (~read_drawing(edited(tmp_path / "a.dxf", hide), support="base").stones.fixed).sum() == count
 
 
 def test_faces_of_a_plain_box_are_found_whatever_their_order(tmp_path: Path) -> None:
