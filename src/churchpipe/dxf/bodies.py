@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from churchpipe.dxf.schema import CORNER_TOLERANCE, LARGEST_COORDINATE
-from churchpipe.geometry.mending import REPAIRS, mend, signed_volumes
+from churchpipe.geometry.mending import NEARLY, REPAIRS, mend, signed_volumes
 from churchpipe.geometry.parts import parts_of
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.surfaces import edges, without_repeats
@@ -150,12 +150,39 @@ def bag_bodies(faces: Sequence[Face3d]) -> tuple[list[tuple[Face3d, Body]], list
     Exploding a solid leaves its faces next to each other in the file, so a run of faces that closes is a stone. Shared corners
     alone would not tell stones apart that touch; where the faces of several come mixed, the side on which each is solid does.
     """
-    out: list[tuple[Face3d, Body]] = []
     if not faces:
-        return out, []
+        return [], []
+    corners = [face_corners(face) for face in faces]
+    label = _coincident(np.concatenate(corners), CORNER_TOLERANCE * float(np.median([np.ptp(c, axis=0).max() for c in corners])))
+    return _closed_runs(faces, corners, label)
+
+
+def nearly_closed(faces: Sequence[Face3d]) -> tuple[list[tuple[Face3d, Body, float]], list[Face3d]]:
+    """Sort loose 3D faces, which close nothing as they are, into solids with corners joined that nearly meet, by as much as a
+    repair joins those of other bodies; return each with its first face and how far its corners were moved at most, in drawing
+    units, and the faces that still close nothing.
+    """
+    if not faces:
+        return [], []
     corners = [face_corners(face) for face in faces]
     points = np.concatenate(corners)
-    label = _coincident(points, CORNER_TOLERANCE * float(np.median([np.ptp(c, axis=0).max() for c in corners])))
+    label = _coincident(points, NEARLY * float(np.median([np.linalg.norm(np.ptp(c, axis=0)) for c in corners])))
+    moved = np.linalg.norm(points[label] - points, axis=1)
+    ends = np.cumsum([len(c) for c in corners])
+    closed, loose = _closed_runs(faces, np.split(points[label], ends[:-1]), label)
+    tree = cKDTree(points[label])
+    found: list[tuple[Face3d, Body, float]] = []
+    for face, body in closed:
+        own = tree.query_ball_point(body.points, 0.0)
+        found.append((face, body, float(max(moved[row].max() for row in own if len(row)))))
+    return found, loose
+
+
+def _closed_runs(
+    faces: Sequence[Face3d], corners: Sequence[FloatArray], label: IntArray
+) -> tuple[list[tuple[Face3d, Body]], list[Face3d]]:
+    """Return the bodies that runs of faces close, and the faces after the last; label (n,): which corners are one."""
+    out: list[tuple[Face3d, Body]] = []
     ends = np.cumsum([len(c) for c in corners])
     open_edges: set[tuple[int, int]] = set()
     first = 0

@@ -22,9 +22,11 @@ from churchpipe.dxf.bodies import (
     is_sane,
     is_solid,
     make_body,
+    nearly_closed,
     repaired,
 )
 from churchpipe.findings import Finding, Place
+from churchpipe.geometry.mending import CLOSE
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 
@@ -44,7 +46,8 @@ class Solid:
 class Definition:
     """What a block (or model space) holds: solids, patches of ground, nested inserts, attributes and position tags.
 
-    tagged: drawn by the schema, so it is one stone and `solids` is that stone, or empty when it has a flaw.
+    tagged: drawn by the schema, so it is one stone and `solids` is that stone, or empty when it has a flaw. nearly: handles of
+    loose 3D faces that close a solid once corners are joined that nearly meet.
     """
 
     name: str = ""
@@ -52,6 +55,7 @@ class Definition:
     tagged: bool = False
     solids: list[Solid] = field(default_factory=list)
     loose: list[Face3d] = field(default_factory=list)
+    nearly: set[str] = field(default_factory=set)
     inserts: list[Insert] = field(default_factory=list)
     constants: dict[str, str] = field(default_factory=dict)
     defaults: dict[str, str] = field(default_factory=dict)
@@ -60,7 +64,9 @@ class Definition:
     others: list[Any] = field(default_factory=list)
 
 
-def read_content(entities: Iterable[Any], name: str, handle: str, matrix: Matrix, findings: list[Finding]) -> Definition:
+def read_content(
+    entities: Iterable[Any], name: str, handle: str, matrix: Matrix, findings: list[Finding], repair: bool = False
+) -> Definition:
     """Sort the entities of a block or of model space; findings are placed in the world through `matrix`."""
     content = Definition(name, handle)
     points: list[Point] = []
@@ -85,6 +91,14 @@ def read_content(entities: Iterable[Any], name: str, handle: str, matrix: Matrix
     for bag in bags.values():
         closed, loose = bag_bodies(bag)
         content.solids += [Solid(body, _place(face, name, matrix, body.points[0]), face.dxf.layer) for face, body in closed]
+        mended, left = nearly_closed(loose)
+        if repair:
+            loose = left
+            for face, body, moved in mended:
+                place = _place(face, name, matrix, body.points[0])
+                content.solids.append(Solid(body, place, face.dxf.layer))
+                findings.append(place.finding("W41", f"{CLOSE}, moved by {{}} at most", lengths=(moved,)))
+        content.nearly |= {face.dxf.handle for face in loose} - {face.dxf.handle for face in left}
         content.loose += loose
     if handle:
         content.tags = _position_tags(points, [e for e in entities if isinstance(e, AttDef)])
@@ -94,7 +108,7 @@ def read_content(entities: Iterable[Any], name: str, handle: str, matrix: Matrix
 
 def read_definition(block: Any, matrix: Matrix, findings: list[Finding], repair: bool) -> Definition:
     """Read a block definition; if it follows the schema its body, tags and constant attributes are checked once, here."""
-    content = read_content(list(block), block.name, block.block_record_handle, matrix, findings)
+    content = read_content(list(block), block.name, block.block_record_handle, matrix, findings, repair)
     if not content.tagged:
         return content
     place = Place("BLOCK", content.handle, content.name, _world(matrix, np.array(block.block.dxf.base_point.xyz)))

@@ -101,7 +101,7 @@ def survey(doc: Any, repair: bool) -> Survey:
         if asked > MOST_INSERTS:
             found.findings.append(Finding("E23", f"nested and arrayed inserts ask for {asked} stones", f"at most {MOST_INSERTS}"))
             return found
-        _visit(found, read_content(list(doc.modelspace()), "", "", IDENTITY, found.findings), _Branch())
+        _visit(found, read_content(list(doc.modelspace()), "", "", IDENTITY, found.findings, repair), _Branch())
         for layout in doc.layouts:
             if layout.is_any_paperspace:
                 drawn = sum(e.dxftype() in DRAWN for e in layout)
@@ -163,7 +163,7 @@ def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
         found.stones.append(Stone(points, faces, ground, place, name, "default", layer=layer))
     found.left_out[HIDDEN] += content.invisible
     for face in content.loose:
-        _visit_loose(found, face, branch)
+        _visit_loose(found, face, branch, nearly=face.dxf.handle in content.nearly)
     for other in content.others:
         if other.dxftype() in ORPHANS:
             place = Place(other.dxftype(), other.dxf.handle or "", content.name)
@@ -201,14 +201,15 @@ def _gather_traces(found: Survey, entity: Any, branch: _Branch, layer: str) -> N
         found.left_out[f"{entity.dxftype()} without length"] += 1
 
 
-def _visit_loose(found: Survey, face: Any, branch: _Branch) -> None:
+def _visit_loose(found: Survey, face: Any, branch: _Branch, *, nearly: bool) -> None:
     layer = entity_layer(face.dxf.layer, branch.layer)
     corner = np.array(face.dxf.vtx0.xyz)
     place = _at(Place("3DFACE", face.dxf.handle or ""), branch.matrix, corner)
     if layer in found.hidden.all:
         found.left_out[HIDDEN] += 1
     elif not _is_ground(found, layer, branch, place):
-        remedy = "Close it, or put it on CP-SUPPORT if it is ground."
+        close = "Pass --repair to join corners that nearly meet" if nearly else "Close it"
+        remedy = f"{close}, or put it on CP-SUPPORT if it is ground."
         found.findings.append(
             place.finding("E10", "a 3D face that belongs to no closed solid", expected="a solid", remedy=remedy)
         )

@@ -78,6 +78,29 @@ def test_3d_faces_of_stones_that_touch_are_told_apart_in_any_order(seed: int, tm
         assert {"W41", "E10"}.isdisjoint(drawing.findings.codes)
 
 
+@pytest.mark.parametrize("scale", [1.0, 1000.0], ids=["m", "mm"])
+@pytest.mark.parametrize("block", [False, True], ids=["space", "block"])
+def test_a_repair_joins_corners_of_3d_faces_that_nearly_meet(scale: float, block: bool, tmp_path: Path) -> None:
+    document = new("R2010", units=6 if scale == 1 else 4)
+    space = document.blocks.new("PILE") if block else document.modelspace()
+    noise = np.random.default_rng(0)
+    for z in range(2):
+        points, around = box((0, 0, 0.25 * z), (0.5, 0.25, 0.25))
+        for face in around:
+            corners = points[list(face)] + noise.uniform(-1e-6, 1e-6, (len(face), 3))
+            space.add_3dface(Vec3.list((scale * corners).tolist()))
+    if block:
+        document.modelspace().add_blockref("PILE", (0, 0, 0))
+    document.saveas(tmp_path / "pile.dxf")
+    with pytest.raises(FindingsError, match="Pass --repair to join corners that nearly meet"):
+        read_drawing(tmp_path / "pile.dxf", support="base")
+    drawing = read_drawing(tmp_path / "pile.dxf", support="base", repair=True)
+    assert drawing.stones.volume[~drawing.stones.fixed] == pytest.approx([0.03125] * 2, rel=1e-4)
+    said = [finding for finding in drawing.findings.items if finding.code == "W41"]
+    assert [finding.found for finding in said] == ["vertices that nearly met were joined, moved by {} at most"] * 2
+    assert all(0 < finding.lengths[0] < 2 * np.sqrt(3) * 1e-6 for finding in said)
+
+
 @pytest.mark.parametrize(("layer", "said"), [("Ground", True), ("SUPPORT", True), ("CP-SUPPORT", False)])
 @pytest.mark.parametrize("how", ["solid", "faces", "insert"])
 def test_what_lies_on_a_layer_of_ground_is_ground(layer: str, said: bool, how: str, tmp_path: Path) -> None:
