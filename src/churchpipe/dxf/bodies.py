@@ -170,11 +170,10 @@ def nearly_closed(faces: Sequence[Face3d]) -> tuple[list[tuple[Face3d, Body, flo
     moved = np.linalg.norm(points[label] - points, axis=1)
     ends = np.cumsum([len(c) for c in corners])
     closed, loose = _closed_runs(faces, np.split(points[label], ends[:-1]), label)
-    tree = cKDTree(points[label])
     found: list[tuple[Face3d, Body, float]] = []
     for face, body in closed:
-        own = tree.query_ball_point(body.points, 0.0)
-        found.append((face, body, float(max(moved[row].max() for row in own if len(row)))))
+        own = cKDTree(body.points).query(points[label])[0] == 0
+        found.append((face, body, float(moved[own].max())))
     return found, loose
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.geometry.planar import widths
 from churchpipe.model.arguments import finite
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOUCHING, ContactTolerances
 from churchpipe.model.polyhedra import face_normals
@@ -90,6 +90,7 @@ def limits_of(
     overlap: float | None,
     least: FloatArray,
     exact: int,
+    drawn: BoolArray,
     ragged: float,
 ) -> Limits:
     """Return the tolerances that were given, and proposals for the others.
@@ -99,9 +100,9 @@ def limits_of(
     between the joints, however imprecise, and the gaps that are meant to be open. Angles are treated alike. No proposal exceeds
     half the thickness of the thinnest stone.
 
-    least (n,): area of the smaller facet of each overlap, m2. ragged: how far corners lie off the faces of their walls, m; two
-    of them are up to twice that apart, across the joints and along them, which few joints show where most neighbours have their
-    corners in common.
+    least (n,): area of the smaller facet of each overlap, m2. exact: number of joints exactly as drawn. drawn (n,): which
+    overlaps are so, too, face by face. ragged: how far corners lie off the faces of their walls, m; two of them are up to twice
+    that apart, across the joints and along them, which few joints show where most neighbours have their corners in common.
     """
     thickness = thicknesses(stones)
     typical, thinnest = typical_thickness(stones, thickness)
@@ -115,8 +116,10 @@ def limits_of(
     angle = contact_angle or max(_proposed(near.angle, 1e-5, LEAST_ANGLE, MOST_ANGLE), LEAST_ANGLE)
     given = {"contact_gap": contact_gap, "contact_angle": contact_angle, "overlap": overlap}
     deepest = overlap or max(widest, gap)
-    meets = found[(found.area > TELLING_SHARE * least) & (found.angle <= angle) & (found.opening <= gap + TOUCHING)]
-    meets = meets[meets.penetration <= deepest + TOUCHING]
+    meets = (found.area > TELLING_SHARE * least) & (found.angle <= angle) & (found.opening <= gap + TOUCHING)
+    meets &= found.penetration <= deepest + TOUCHING
+    exact += int((meets & drawn).sum())
+    noise = _noise(found[meets & ~drawn], exact, NOISIEST * typical)
     return Limits(
         tolerances=ContactTolerances(
             contact_gap=gap,
@@ -125,7 +128,7 @@ def limits_of(
             given=tuple(name for name, value in given.items() if value is not None),
         ),
         middle=widest if contact_gap is None else np.inf,
-        noise=max(_noise(meets, exact, NOISIEST * typical), min(2.0 * ragged, NOISIEST * typical), LEAST_NOISE * typical),
+        noise=max(noise, min(2.0 * ragged, NOISIEST * typical), LEAST_NOISE * typical),
         thickness=thickness,
         typical=typical,
     )

@@ -86,7 +86,8 @@ def find_contacts(
     found = facing(facets, open_facets, search_reach(stones, contact_gap, overlap), contact_angle or MOST_ANGLE)
     found = found[~np.isin(_pair(facets, found.side), _pair(facets, exact.side[sure]))]
     least, ragged = facets.area[found.side].min(axis=1), raggedness(stones).off
-    limits = limits_of(stones, found, contact_gap, contact_angle, overlap, least, int(sure.sum()), ragged)
+    drawn = _as_drawn(facets, exact, found)
+    limits = limits_of(stones, found, contact_gap, contact_angle, overlap, least, int(sure.sum()), drawn, ragged)
     narrowest = max(limits.noise, least_width)
     wide = _wide_enough(facets, found.side, widths(found.polygon), narrowest)
     meet = _meet(facets, found, limits)
@@ -167,6 +168,17 @@ def _one_of_both(facets: Facets, exact: Interfaces, sure: BoolArray, found: Over
     shared = np.bincount(theirs, found.area, minlength=len(pairs))
     enough = shared <= (1.0 + SAME_AREA) * area
     return chosen(exact, np.flatnonzero(sure | enough[mine])), found[~((count > 0) & enough)[theirs]]
+
+
+def _as_drawn(facets: Facets, exact: Interfaces, found: Overlaps) -> BoolArray:
+    """Return which overlaps (n,) exact interfaces of faces of the same facets account for: their facets are bent, and the gaps
+    between these say nothing of how exactly the stones are drawn."""
+    of_exact, of_found = _pair(facets, exact.side), _pair(facets, found.side)
+    pairs, row = np.unique(np.concatenate([of_exact, of_found]), return_inverse=True)
+    area = np.bincount(row[: len(of_exact)], exact.area, minlength=len(pairs))
+    shared = np.bincount(row[len(of_exact) :], found.area, minlength=len(pairs))
+    drawn: BoolArray = (shared <= (1.0 + SAME_AREA) * area)[row[len(of_exact) :]]
+    return drawn
 
 
 def _interfaces(found: Overlaps, noise: float) -> Interfaces:
