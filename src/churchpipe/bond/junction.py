@@ -145,6 +145,8 @@ def _zone_span(panels: Sequence[Panel], index: int, zone: Region, pair: tuple[in
         charts = [panels[k].chart for k in pair]
         if isinstance(charts[0], PlaneChart) and isinstance(charts[1], PlaneChart):
             cosine = min(abs(float(charts[0].s_axis @ charts[1].s_axis)), 1.0)
+            if cosine > 1 - SQUARE:
+                raise _side_by_side(panels[pair[0]].name, panels[pair[1]].name, area(zone))
             if cosine > SQUARE:
                 found = f"walls at {math.degrees(math.acos(cosine)):.4g} degrees, with "
                 remedy = "Draw them at right angles, end one before the other, or draw the stones where they meet."
@@ -161,6 +163,19 @@ def _zone_span(panels: Sequence[Panel], index: int, zone: Region, pair: tuple[in
             remedy=remedy,
         )
     return span
+
+
+def _side_by_side(first: str, second: str, shared: float) -> InputError:
+    """Return the error of two parallel walls, one of which lies in part in the other; shared: area in plan, m2."""
+    return InputError(
+        f"walls {first} and {second}",
+        "they are parallel, and one lies in part within the other, as where stones that project beyond their wall (corbels, "
+        "cornices) or are thinner than it (tracery) were taken for a wall of their own",
+        found=f"an overlap of {shared:.4g} m2 in plan",
+        expected="walls that stand clear of each other, or end to end",
+        remedy="Run the rigid blocks, which take such stones as they are. For a shell, give these stones the name (layer or "
+        "PANEL) of the wall that they are in if they weigh little, leave them out, or draw the walls apart.",
+    )
 
 
 def _bands(first: Panel, second: Panel, first_solid: Region, second_solid: Region) -> tuple[FloatArray, IntArray]:

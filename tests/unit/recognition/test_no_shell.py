@@ -1,14 +1,19 @@
 """Stones that no shell is fitted to."""
 
 from dataclasses import replace
+from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from churchpipe import derive_blocks, read_dxf, with_ring_beams, write_dxf
 from churchpipe.config.shell_table import shell_table
 from churchpipe.errors import InputError
 from churchpipe.generators import box
+from churchpipe.model.assemblage import Assemblage
 from churchpipe.recognition.panels import fit_panels
+from churchpipe.shell_mesh.shell import derive_shell
+from solids import box as solid
 
 
 @pytest.fixture(scope="module")
@@ -31,3 +36,16 @@ def test_an_import_says_as_the_run_does_that_walls_that_butt_have_no_shell(room)
     butting = replace(room, butts=room.panel == "east")
     note = shell_table(butting, {"default": False}).note
     assert note.startswith("No shell: the shell fitted to stones has no butt joints, as of the stones of east;")
+
+
+def test_stones_that_project_beyond_their_wall_are_said_to():
+    # Corbels, each longer than the wall is thick, in one of its courses.
+    solids = [solid((-1.0, 5.0), (-1.0, 1.0), (-0.3, 0.0))]
+    for course in range(8):
+        ends = [0.0, *(0.25 * (course % 2) + 0.5 * np.arange(1 - course % 2, 8)), 4.0]
+        for number, along in enumerate(pairwise(ends)):
+            depth = 0.5 if course == 5 and number % 2 else 0.3
+            solids.append(solid(along, (0.0, depth), (0.25 * course, 0.25 * (course + 1))))
+    fitted = fit_panels(Assemblage.from_polyhedra(solids, 18e3, fixed=[0]))
+    with pytest.raises(InputError, match=r"walls wall-1 and wall-2: they are parallel, .* stones that project beyond their wall"):
+        derive_shell(fitted.building(), element_size=0.5)
