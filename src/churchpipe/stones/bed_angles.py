@@ -13,6 +13,9 @@ LEAST_CROSSING = 0.4
 SLIGHT = 1e-3
 # A joint is level or upright within this angle, rad: a millimetre of rounding in the height of a brick.
 ALIGNED = 0.02
+# A stone is laid in a wall, and no voussoir, if more than this part of its joints is level or upright. Of the crown of an arch a
+# chord or two are.
+LAID = 0.4
 
 
 def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, across: FloatArray) -> FloatArray:
@@ -24,7 +27,9 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     as at the end of a ruined arch, the face opposite. A stone with more neighbours, or with none, lies in a wall drawn without
     courses or stands alone: there the joints count that are within 45 degrees of the mean by area, and head joints do not. Where
     one of its joints is level and one upright, the level ones lead: the heads of a short stone, or the back of an arch that cuts
-    it, may be larger than its beds. No voussoir has both.
+    it, may be larger than its beds. No voussoir has both: a stone with level and upright faces alone that has joints of both
+    kinds is none, however few neighbours it has. A voussoir in the middle of a wall has more than two, but only two that are
+    not laid in the wall.
 
     Parameters
     ----------
@@ -35,9 +40,10 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     share, turn = _within_wall(normal, along[owner], across[owner])
     loose = ~stones.coursed & ~stones.fixed
     in_ring = np.repeat(loose[contacts.blocks].all(axis=1), 2) & (share > 0.5)
-    neighbours = np.bincount(owner[in_ring], minlength=stones.count)
-    voussoir = np.isin(neighbours, (1, 2))
-    alone: BoolArray = (neighbours == 0)[owner]
+    laid, square = _laid(stones, owner, normal, np.where(share > 0.5, area, 0.0))
+    in_ring, neighbours = _in_rings(stones.count, contacts, in_ring, laid)
+    voussoir = np.isin(neighbours, (1, 2)) & ~square
+    alone: BoolArray = ((neighbours == 0) | square)[owner]
     leading: BoolArray = (in_ring & ~alone) | (alone & (share > 0.5))
     line = _inward_lines(stones, contacts, in_ring, along, across)
     # The extrados does not cross the line through its voussoir.
@@ -48,8 +54,8 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     owner, normal, area = np.concatenate([owner, end]), np.concatenate([normal, end_normal]), np.concatenate([area, end_area])
     leading = np.concatenate([leading, np.ones(len(end), dtype=np.bool_)])
     share, turn = _within_wall(normal, along[owner], across[owner])
-    flat, steep = leading & (np.abs(normal[:, 2]) > 1 - ALIGNED**2 / 2), leading & (np.abs(normal[:, 2]) < ALIGNED)
-    squared = (neighbours > 2) & (_any(stones.count, owner[flat]) & _any(stones.count, owner[steep]))
+    flat, steep = (leading & own for own in _aligned(normal))
+    squared = ((neighbours > 2) | square) & (_any(stones.count, owner[flat]) & _any(stones.count, owner[steep]))
     weight = np.where(leading, area * share**2, 0.0) * np.where(squared[owner] & ~flat, SLIGHT, 1.0)
     # Two joints at right angles have no mean direction: of the two bisectors the bed is the one across the line.
     slight = SLIGHT * np.bincount(owner, weight, minlength=stones.count)
@@ -68,6 +74,34 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     field = _half_turn(-mean)
     outside = np.maximum(np.maximum(low - field, field - high), 0.0)
     return np.degrees(np.where(np.isfinite(low), np.minimum(outside, np.pi - outside), np.nan))
+
+
+def _laid(stones: Assemblage, owner: IntArray, normal: FloatArray, area: FloatArray) -> tuple[BoolArray, BoolArray]:
+    """Return which stones (nb,) are laid in a wall, and which have level and upright faces alone, and joints of both kinds.
+
+    Half an arch has such joints as well, but no such intrados. owner, normal, area: of each joint as seen from either of its
+    stones; an area of 0 does not count.
+    """
+    level, upright = _aligned(normal)
+    whole, flat, steep = (np.bincount(owner, np.where(own, area, 0.0), stones.count) for own in (area > 0, level, upright))
+    _, unit, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
+    straight = np.logical_and.reduceat(np.logical_or(*_aligned(unit)), stones.block_face_ptr[:-1])
+    return flat + steep > LAID * whole, (flat > 0) & (steep > 0) & straight
+
+
+def _aligned(normal: FloatArray) -> tuple[BoolArray, BoolArray]:
+    """Return which faces with these normals (k, 3) are level, and which upright."""
+    return np.abs(normal[:, 2]) > 1 - ALIGNED**2 / 2, np.abs(normal[:, 2]) < ALIGNED
+
+
+def _in_rings(count: int, contacts: Contacts, in_ring: BoolArray, laid: BoolArray) -> tuple[BoolArray, IntArray]:
+    """Return which joints may be those of a ring, and how many each stone (nb,) has: of a stone in the middle of a wall, those
+    with stones that are not laid in the wall either, if they are one or two."""
+    owner = contacts.blocks.ravel()
+    unlaid = in_ring & np.repeat(~laid[contacts.blocks].any(axis=1), 2)
+    neighbours, others = (np.bincount(owner[own], minlength=count) for own in (in_ring, unlaid))
+    within_wall = (neighbours > 2) & np.isin(others, (1, 2))
+    return np.where(within_wall[owner], unlaid, in_ring), np.where(within_wall, others, neighbours)
 
 
 def _within_wall(normal: FloatArray, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
