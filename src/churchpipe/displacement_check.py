@@ -197,7 +197,7 @@ def _mean_displacement(curve: BlockCapacityCurve, bodies: _Bodies) -> tuple[Floa
     """
     gone = [0.0]
     for step, way in enumerate(np.diff(bodies.place, axis=0)):
-        fallen = [part.stones for part in curve.fallen if part.left(curve.displacement) <= step]
+        fallen = [part.stones for part in curve.fallen if part.step <= step]
         out = np.isin(bodies.stone, np.concatenate([*fallen, np.zeros(0, dtype=np.int64)]))
         weight = np.where(out, 0.0, bodies.pushed)
         total = float(weight.sum())

@@ -75,7 +75,7 @@ def test_ties_that_are_no_joists_and_joists_that_hold_lose_no_seat() -> None:
 
 def test_a_joist_falls_with_a_stone_that_bears_it() -> None:
     curve = cp.block_pushover(STONES, CONTACTS, PUSH, 0.7, [joist(np.inf)], step=0.05, steps=6)
-    fallen = replace(curve, fallen=(FallenStones(float(curve.displacement[3]), np.array([1])),))
+    fallen = replace(curve, fallen=(FallenStones(float(curve.displacement[3]), np.array([1]), 3),))
     lost = lost_seat(fallen, STONES, [joist(np.inf)])
     assert lost is not None
     assert (lost.joist, lost.step) == ("j", 3.0)

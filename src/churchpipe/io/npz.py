@@ -39,8 +39,8 @@ SCHEMAS: dict[type, str] = {
     ShellModel: "churchpipe shell 3",
     ShellLimitState: "churchpipe shell-limit-state 3",
     CapacityCurve: "churchpipe capacity-curve 2",
-    BlockCapacityCurve: "churchpipe block-capacity-curve 4",
-    SettlementPath: "churchpipe settlement-path 4",
+    BlockCapacityCurve: "churchpipe block-capacity-curve 5",
+    SettlementPath: "churchpipe settlement-path 5",
     Absent: "churchpipe absent 1",
 }
 

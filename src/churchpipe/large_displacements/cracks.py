@@ -23,9 +23,8 @@ def path_cracks(
     InputError: arguments of the wrong kind, places of other stones.
     """
     opening, slip = joint_cracks(stones, contacts, path.position[step], path.rotation[step])
-    travelled = path.displacement if isinstance(path, BlockCapacityCurve) else path.movement
-    last = len(travelled) + step if step < 0 else step
-    gone = [part.stones for part in path.fallen if part.left(travelled) < last]
+    last = len(path.position) + step if step < 0 else step
+    gone = [part.stones for part in path.fallen if part.step < last]
     there = ~np.isin(contacts.blocks, np.concatenate([*gone, np.zeros(0, dtype=np.int64)])).any(axis=1)
     return np.where(there, opening, 0.0), np.where(there, slip, 0.0)
 

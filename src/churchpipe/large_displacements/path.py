@@ -186,7 +186,8 @@ def onward(
         at_stone = change.copy()
         at_stone[:, :3] += np.cross(change[:, 3:], centre)
         if float(stone_speed(stones, at_stone).max()) < PATH.steady * float(speed.max(initial=0.0)):
-            motion = there + 0.5 * way / state.way * change
+            # Stones that have just fallen do not go on: they stay where they are.
+            motion = there + 0.5 * way / state.way * np.where(state.fallen[:, None], 0.0, change)
     twist = motion.copy()
     twist[:, :3] += np.cross(motion[:, 3:], centre)
     # A stone that settles into a gap turns as far however short the step is: a step that it made short is made longer again.

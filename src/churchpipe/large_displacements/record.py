@@ -139,7 +139,7 @@ class Record(ABC):
     def fall(self, step: PathStep) -> None:
         """Note the stones that fall in a step."""
         at = self.displacement[-1] if self.displacement else 0.0
-        self.fallen.append(FallenStones(at, np.flatnonzero(step.falling)))
+        self.fallen.append(FallenStones(at, np.flatnonzero(step.falling), max(len(self.displacement) - 1, 0)))
 
     def arrays(self) -> StepArrays:
         """Return the arrays that all paths have: where the stones are at each step, and what proves it."""

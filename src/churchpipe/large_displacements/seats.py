@@ -38,6 +38,6 @@ def lost_seat(curve: BlockCapacityCurve, stones: Assemblage, ties: Sequence[Tie]
         last = longer
     for part in curve.fallen:
         torn = np.unique(travelling.owner[np.isin(travelling.stone, part.stones)])
-        at[torn] = np.minimum(at[torn], float(part.left(curve.displacement)))
+        at[torn] = np.minimum(at[torn], float(part.step))
     first = int(at.argmin())
     return LostSeat(joists[first].name, max(float(at[first]), 0.0)) if np.isfinite(at[first]) else None

@@ -62,7 +62,7 @@ class BlockCapacityCurve(Shown, StonePath):
 
     def until(self, step: int) -> "BlockCapacityCurve":
         """Return the curve up to a step, that included: what `block_pushover(resume=...)` may go on from."""
-        return replace(self.first_steps(step, self.displacement), d0=np.nan)
+        return replace(self.first_steps(step), d0=np.nan)
 
     @property
     def initial(self) -> float:

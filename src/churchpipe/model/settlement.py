@@ -82,7 +82,7 @@ class SettlementPath(Shown, StonePath):
 
     def until(self, step: int) -> "SettlementPath":
         """Return the path up to a step, that included: what `settlement_path(resume=...)` may go on from."""
-        return self.first_steps(step, self.movement)
+        return self.first_steps(step)
 
     @property
     def ultimate(self) -> float:

@@ -22,18 +22,16 @@ _SAME = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class FallenStones(ReadOnly):
-    """Stones that nothing held any more and that were taken out: which, and the displacement or movement at that moment."""
+    """Stones that nothing held any more and that were taken out: which, the displacement or movement at that moment, and the last
+    step that has them, from 0. The displacement does not tell the step: a control point may stand still, or go to and fro."""
 
     displacement: float
     stones: IntArray
+    step: int
 
     def __post_init__(self) -> None:
         store(self, stones=indices("FallenStones.stones", self.stones, (None,)))
-
-    def left(self, travel: FloatArray) -> int:
-        """Return the last step that has these stones; travel (ns,): what `displacement` is measured by, which a control point
-        may bring to and fro, or backwards."""
-        return int(np.abs(travel - self.displacement).argmin())
+        store(self, step=whole("FallenStones.step", self.step, least=0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,13 +140,13 @@ class StonePath(ReadOnly):
             found = f"{1e3 * apart[far]:.3g} mm from where stone {stones.block_id[far]} is"
             raise InputError(where, problem, found=found, expected=f"{what} of these stones")
 
-    def first_steps(self, step: int, travel: FloatArray) -> Self:
-        """Return the path up to a step, that included; travel (ns,): what `FallenStones.displacement` is measured by."""
-        step = whole(f"{type(self).__name__}.until: step", step, least=0, most=len(travel) - 1)
+    def first_steps(self, step: int) -> Self:
+        """Return the path up to a step, that included."""
+        step = whole(f"{type(self).__name__}.until: step", step, least=0, most=len(self.position) - 1)
         values = {item.name: getattr(self, item.name) for item in fields(self)}
         kept: dict[str, Any] = {name: value[: step + 1] for name, value in values.items() if isinstance(value, np.ndarray)}
-        fallen = tuple(part for part in self.fallen if part.left(travel) < step)
-        last = self.last if step == len(travel) - 1 else LastStep()
+        fallen = tuple(part for part in self.fallen if part.step < step)
+        last = self.last if step == len(self.position) - 1 else LastStep()
         return replace(self, **kept, fallen=fallen, last=last, status="unfinished", message=f"up to step {step}")
 
 

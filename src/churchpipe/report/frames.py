@@ -40,7 +40,7 @@ def write_path(series: Path, stones: Assemblage, path: BlockCapacityCurve | Sett
         after = kept[min(number + 1, len(kept) - 1)]
         file = series.with_name(f"{series.stem}_{number:02d}.vtu")
         there = placed(stones, path.position[step], path.rotation[step])
-        write_vtu(file, there, _between(path, step, after), _fallen(path, travel, step))
+        write_vtu(file, there, _between(path, step, after), _fallen(path, step))
         lines.append(f'    <DataSet timestep="{times[number]}" part="0" file="{file.name}"/>')
     text = "\n".join(['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>", *lines])
     write_text(series, text + "\n  </Collection>\n</VTKFile>\n")
@@ -56,11 +56,11 @@ def placed(stones: Assemblage, position: FloatArray, rotation: FloatArray) -> As
     return displaced(stones, Poses(position, screw(rotation)[0]))
 
 
-def _fallen(path: BlockCapacityCurve | SettlementPath, travel: FloatArray, step: int) -> BoolArray:
+def _fallen(path: BlockCapacityCurve | SettlementPath, step: int) -> BoolArray:
     """Return which stones (nb,) have fallen by a step."""
     fallen = np.zeros(path.position.shape[1], dtype=bool)
     for part in path.fallen:
-        fallen[part.stones] |= part.left(travel) < step
+        fallen[part.stones] |= part.step < step
     return fallen
 
 

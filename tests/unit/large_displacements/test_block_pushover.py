@@ -277,6 +277,8 @@ def test_a_stone_that_loses_its_seat_falls_and_the_others_go_on() -> None:
     assert lost.stones.tolist() == [3]
     # The corner of the block, where the slab rests, comes to the slab's end at .2 m: half of that at the block's centroid.
     assert 0.05 < lost.displacement < 0.15
+    assert curve.displacement[lost.step] == lost.displacement
+    assert (np.diff(curve.position[:, 3], axis=0)[lost.step + 1 :] == 0.0).all()
     alone = curve.displacement > lost.displacement
     assert 0 < alone.sum() < len(alone)
     centre = curve.position[alone, 2]

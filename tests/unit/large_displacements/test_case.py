@@ -98,7 +98,7 @@ def test_bad_keys(tmp_path: Path, lines: str, said: str) -> None:
 
 
 def test_the_artifact_comes_back(tmp_path: Path, curve: BlockCapacityCurve) -> None:
-    whole = replace(curve, fallen=(FallenStones(0.1, np.array([1])),))
+    whole = replace(curve, fallen=(FallenStones(0.1, np.array([1]), 2),))
     write_npz(tmp_path / "curve.npz", whole)
     again = read_npz(tmp_path / "curve.npz", BlockCapacityCurve)
     assert (again.status, again.d0, len(again.fallen)) == (curve.status, curve.d0, 1)
@@ -225,7 +225,7 @@ def test_the_files_for_paraview_have_times_in_their_order(tmp_path: Path, curve:
 
 
 def test_the_files_for_paraview_say_which_stones_have_fallen(tmp_path: Path, curve: BlockCapacityCurve) -> None:
-    falls = replace(curve.until(3), fallen=(FallenStones(float(curve.displacement[1]), np.array([1])),))
+    falls = replace(curve.until(3), fallen=(FallenStones(float(curve.displacement[1]), np.array([1]), 1),))
     write_path(tmp_path / "path.pvd", BLOCK, falls)
     found = [pyvista.read(tmp_path / f"path_0{step}.vtu") for step in range(4)]
     by_stone = [dict(zip(mesh["stone"].tolist(), mesh["fallen"].tolist(), strict=True)) for mesh in found]

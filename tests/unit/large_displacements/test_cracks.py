@@ -1,13 +1,17 @@
 """How wide joints are open on a path, and which of them are there."""
 
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import pyvista
 
 import churchpipe as cp
 from churchpipe.large_displacements.cracks import joint_cracks, path_cracks
 from churchpipe.model.stone_path import FallenStones
+from churchpipe.report.frames import write_path
 from solids import box, on_ground
 
 # A lintel on two posts, one of which stands on a support that sinks.
@@ -43,18 +47,20 @@ def test_joints_of_stones_that_have_fallen_are_no_cracks(path: cp.SettlementPath
     last = len(path.movement) - 1 if step < 0 else step
     # One that falls on the way from this step to the next is still there, one that fell on the way to this step is not.
     for fell, gone in ((last, False), (last - 1, True)):
-        fallen = replace(path, fallen=(FallenStones(float(path.movement[fell]), np.array([4])),))
+        fallen = replace(path, fallen=(FallenStones(float(path.movement[fell]), np.array([4]), fell),))
         opening, slip = path_cracks(STONES, CONTACTS, fallen, step)
         assert np.array_equal(opening[~of_lintel], there[~of_lintel])
         assert (opening[of_lintel].max() == slip[of_lintel].max() == 0.0) == gone
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_stones_have_fallen_whichever_way_a_control_point_goes(sign: float) -> None:
+@pytest.mark.parametrize("travel", [(0.0, 0.1, 0.2, 0.3), (0.0, -0.1, -0.2, -0.3), (0.0, 0.0, 0.0, 0.0), (0.1, 0.0, 0.1, 0.1)])
+def test_stones_have_fallen_whichever_way_a_control_point_goes(tmp_path: Path, travel: tuple[float, ...]) -> None:
     stones = on_ground(box((0, 0.3), (0, 1), (0, 2)), box((0, 0.3), (0, 1), (2, 2.5)))
     contacts = cp.find_contacts(stones)
     curve = cp.block_pushover(stones, contacts, cp.LoadCase((1, 0, 0)), 0.6, step=0.02, steps=4)
-    travel = sign * curve.displacement
-    curve = replace(curve, displacement=travel, fallen=(FallenStones(float(travel[1]), np.array([1, 2])),))
-    assert [path_cracks(stones, contacts, curve, step)[0].any() for step in range(4)] == [False, True, False, False]
-    assert [len(curve.until(step).fallen) for step in range(4)] == [0, 0, 1, 1]
+    curve = replace(curve, displacement=np.array(travel), fallen=(FallenStones(travel[2], np.array([1, 2]), 2),))
+    assert [path_cracks(stones, contacts, curve, step)[0].any() for step in range(4)] == [False, True, True, False]
+    assert [len(curve.until(step).fallen) for step in range(4)] == [0, 0, 0, 1]
+    write_path(tmp_path / "path.pvd", stones, curve)
+    meshes: list[Any] = [pyvista.read(tmp_path / f"path_0{step}.vtu") for step in range(4)]
+    assert [int(np.sum(mesh["fallen"])) for mesh in meshes] == [0, 0, 0, 2]
