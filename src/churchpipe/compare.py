@@ -26,7 +26,7 @@ from churchpipe.model.names import GOOD, LOOSE, NEARLY, OUTER
 from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.model.results import LimitState, ShellLimitState
 from churchpipe.model.shell import ShellModel
-from churchpipe.model.swept import of_both
+from churchpipe.model.swept import MESH_SIZE, of_both, setting
 from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.thrust_lines import vaulted
 from churchpipe.wording import counted
@@ -221,12 +221,15 @@ def _below(record: Analysis) -> bool:
 
 
 def _load_words(record: Analysis) -> str:
-    return f"{record.variant}, load {record.load}" if record.variant else f"Load {record.load}"
+    start = f"{record.variant}, load {record.load}" if record.variant else f"Load {record.load}"
+    return ", ".join([start, *(setting(key, value) for key, value in record.swept.items() if of_both(key))])
 
 
 def _kind(record: Analysis) -> str:
     size = [f"{1e3 * record.element_size:g} mm"] if record.element_size else []
-    return ", ".join([record.model_words, record.kind, *size])
+    # What a sweep changes in one model alone tells analyses apart that are of one kind.
+    own = [setting(key, value) for key, value in record.swept.items() if not of_both(key) and key != MESH_SIZE]
+    return ", ".join([record.model_words, record.kind, *size, *own])
 
 
 def _reasons(records: Sequence[Analysis]) -> str:

@@ -128,6 +128,18 @@ def test_a_capacity_curve_that_starts_lower_is_told_of() -> None:
     assert guidance(many)[-1] == "2 other curves start lower, too."
 
 
+def test_a_sentence_names_what_a_sweep_changes() -> None:
+    def of(gap: float, friction: float, factor: float) -> Analysis:
+        keys = {"rigid.contact_gap_mm": gap, "rigid.planes": "x", "material.default.friction": friction}
+        return analysed(factor, flow="associative", friction=friction, swept=keys)
+
+    first, second = guidance([of(1.0, 0.5, 0.125), of(2.0, 0.5, 0.125), of(1.0, 0.6, 0.15), of(2.0, 0.6, 0.16)])
+    kind = "rigid blocks, associative, contact gap {} mm, planes x"
+    use = f"use 0.1250 ({kind.format('1.0')}; {kind.format('2.0')}), in which all limit analyses agree."
+    assert first == f"Load -y, friction 0.5: {use}"
+    assert second.startswith(f"Load -y, friction 0.6: use 0.1500 ({kind.format('1.0')}), the careful value, not 0.1600")
+
+
 def test_cohesion_is_named_where_it_makes_the_shell_stronger() -> None:
     both = {"cohesion_kPa": 5.0}
     stones, shell = analysed(0.25, flow="associative", **both), analysed(0.355, method="limit", **both)

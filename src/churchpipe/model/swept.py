@@ -1,4 +1,4 @@
-"""Which analyses a swept key of a case touches, by the key alone."""
+"""Which analyses a swept key of a case touches, and its words, by the key alone."""
 
 import re
 
@@ -8,6 +8,7 @@ _STONES = re.compile(
 )
 _RIGID_BLOCKS = re.compile(r"rigid\.|check\.")
 _SHELL = re.compile(r"shell\.|material\..+\.elastic")
+_UNIT = re.compile(r"_(mm|mm2|m|kPa|MPa|GPa|kN|kN_m|kN_m2|kN_m3|m_s2|s|g|percent|deg)$")
 
 
 def changes_stones(key: str) -> bool:
@@ -38,3 +39,29 @@ def friction_of_material(key: str) -> bool:
 def of_both(key: str) -> bool:
     """Whether a key asks both models another question: analyses that differ in it are no pair."""
     return not (of_rigid_blocks(key) or of_shell(key))
+
+
+def heading(key: str) -> str:
+    """Return a dotted key of the case file as words with its unit: "stone length, m", or "friction of brick" for a material."""
+    words, unit = _words_and_unit(key)
+    return f"{words}, {unit}" if unit else words
+
+
+def setting(key: str, value: object) -> str:
+    """Return a swept setting as words: "stone length 0.57 m"."""
+    words, unit = _words_and_unit(key)
+    return " ".join([words, str(value), *([unit] if unit else [])])
+
+
+def _words_and_unit(key: str) -> tuple[str, str]:
+    root, *inner = key.split(".")
+    *owner, last = inner or [root]
+    # An entry of a list is told by its number: the first of "source.brick_mm.0".
+    number = f".{last}" if last.isdecimal() and owner else ""
+    last = owner.pop() if number else last
+    name, _, unit = _UNIT.sub(r"|\1", last).partition("|")
+    # A material, a load or a tie has the same keys as others of its kind.
+    if owner and (owner[0].isdecimal() or root == "joints"):
+        owner[0] = f"{root}.{owner[0]}"
+    of = f" of {'.'.join(owner)}" if owner and owner != ["default"] else ""
+    return f"{name.replace('_', ' ')}{number}{of}", unit.replace("_", "/").replace("2", "\u00b2").replace("3", "\u00b3")

@@ -7,8 +7,9 @@ import numpy as np
 
 from churchpipe.io.records import Analysis
 from churchpipe.model.block_curve import ALIKE
+from churchpipe.model.swept import setting
 from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
-from churchpipe.report.table import by_material, setting
+from churchpipe.report.table import by_material
 
 _ENDINGS = {
     "vanished": "the load factor has vanished",

@@ -10,9 +10,9 @@ from churchpipe.io.summary import Pair, Summary
 from churchpipe.match import Figure
 from churchpipe.model.results import CapacityCurve
 from churchpipe.model.shell import ShellModel
-from churchpipe.model.swept import MESH_SIZE, of_both
+from churchpipe.model.swept import MESH_SIZE, of_both, setting
 from churchpipe.report.shell_plots import capacity_svg, domain_svg, mesh_svg
-from churchpipe.report.table import Row, figure, friction_text, minus, setting, swept
+from churchpipe.report.table import Row, figure, friction_text, minus, swept
 
 
 def question(row: Row) -> tuple[str, ...]:

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from churchpipe.model.names import MODELS, RIGID_BLOCKS, SHELL
-from churchpipe.model.swept import MESH_SIZE
-from churchpipe.report.table import Row, figure, friction_text, minus, setting, swept
+from churchpipe.model.swept import MESH_SIZE, setting
+from churchpipe.report.table import Row, figure, friction_text, minus, swept
 
 _MODELS = {"rigid": RIGID_BLOCKS, "shell": SHELL}
 

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from churchpipe.model.swept import MESH_SIZE
+from churchpipe.model.swept import MESH_SIZE, heading, setting
 from churchpipe.report.plots import sensitivity_svg
-from churchpipe.report.table import Row, heading, setting
+from churchpipe.report.table import Row
 
 
 def sensitivity_plots(rows: Sequence[Row]) -> list[tuple[str, str]]:

@@ -1,13 +1,12 @@
 """The table of load factors: one row an analysis, values as words and figures."""
 
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from churchpipe.io.records import Analysis, Strength
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState
-from churchpipe.model.swept import friction_of_material
+from churchpipe.model.swept import friction_of_material, heading, setting
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,38 +136,9 @@ def swept(row: Row) -> dict[str, str]:
     return {key: str(value) for key, value in row.record.swept.items() if not (alone and friction_of_material(key))}
 
 
-def heading(key: str) -> str:
-    """Return a dotted key of the case file as words with its unit: "stone length, m", or "friction of brick" for a material."""
-    words, unit = _words_and_unit(key)
-    return f"{words}, {unit}" if unit else words
-
-
-def setting(key: str, value: object) -> str:
-    """Return a swept setting as words: "stone length 0.57 m"."""
-    words, unit = _words_and_unit(key)
-    return " ".join([words, str(value), *([unit] if unit else [])])
-
-
 def named_of(name: str, variant: str | None, settings: Mapping[str, object]) -> str:
     """Return a name with the variant of the building and the swept settings that it is of: "pier, tied, friction 0.5"."""
     return ", ".join([name, *([variant] if variant else []), *(setting(key, value) for key, value in settings.items())])
-
-
-def _words_and_unit(key: str) -> tuple[str, str]:
-    root, *inner = key.split(".")
-    *owner, last = inner or [root]
-    # An entry of a list is told by its number: the first of "source.brick_mm.0".
-    number = f".{last}" if last.isdecimal() and owner else ""
-    last = owner.pop() if number else last
-    name, _, unit = _UNIT.sub(r"|\1", last).partition("|")
-    # A material, a load or a tie has the same keys as others of its kind.
-    if owner and (owner[0].isdecimal() or root == "joints"):
-        owner[0] = f"{root}.{owner[0]}"
-    of = f" of {'.'.join(owner)}" if owner and owner != ["default"] else ""
-    return f"{name.replace('_', ' ')}{number}{of}", unit.replace("_", "/").replace("2", "\u00b2").replace("3", "\u00b3")
-
-
-_UNIT = re.compile(r"_(mm|mm2|m|kPa|MPa|GPa|kN|kN_m|kN_m2|kN_m3|m_s2|s|g|percent|deg)$")
 
 
 def friction_text(row: Row) -> str:

@@ -10,9 +10,10 @@ import numpy as np
 from churchpipe.io.sample_study import Asked, Mechanism, SampledAnalysis, SampleStudy
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.quantities import GRAVITY
+from churchpipe.model.swept import heading, setting
 from churchpipe.report import colours
 from churchpipe.report.plots import new_panels, svg_of_panels
-from churchpipe.report.table import Row, figure, heading, minus, setting
+from churchpipe.report.table import Row, figure, minus
 from churchpipe.wording import counted
 
 # Scatter plots of the parameters that matter most.

@@ -10,10 +10,11 @@ import numpy as np
 
 from churchpipe.io.records import Analysis
 from churchpipe.io.summary import VariantResult
+from churchpipe.model.swept import setting
 from churchpipe.report import colours
 from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
 from churchpipe.report.safety import safety_index, what_moves
-from churchpipe.report.table import Row, figure, minus, setting
+from churchpipe.report.table import Row, figure, minus
 
 AS_IS = "as it is"
 # Letters for which a line below the chart has room, and those of the narrowest column of them.

@@ -9,6 +9,7 @@ import pytest
 
 from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.results import Iteration, StartRun
+from churchpipe.model.swept import heading, setting
 from churchpipe.report.block_curves import curve_label
 from churchpipe.report.both import partner
 from churchpipe.report.html import _cards
@@ -17,7 +18,7 @@ from churchpipe.report.plots import convergence_svg
 from churchpipe.report.published import published_rows
 from churchpipe.report.safety import part_overview, what_moves
 from churchpipe.report.sensitivity import sensitivity_plots
-from churchpipe.report.table import Row, columns_for, heading, setting
+from churchpipe.report.table import Row, columns_for
 from records import analysis
 from report_pages import Page, record_of, report, state_of, tower
 
