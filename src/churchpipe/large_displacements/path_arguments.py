@@ -1,7 +1,13 @@
 """What may be asked of a path: lengths and numbers of its steps, and to go on from another one made with the same."""
 
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive, whole
+from churchpipe.model.arrays import BoolArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.digests import differing
 from churchpipe.model.quantities import MOST_COUNTED
@@ -38,3 +44,11 @@ def check_given(where: str, before: str, now: str) -> None:
     if differ := differing(before, now):
         remedy = "Begin a path of its own for other values."
         raise InputError(f"{where}: resume", "steps of another analysis", found=f"another {', '.join(differ)}", remedy=remedy)
+
+
+def strengths_of(friction: npt.ArrayLike, compressive_strength: npt.ArrayLike | None, joints: BoolArray | None) -> dict[str, Any]:
+    """Return friction and compressive strength of all joints, or of some (ni,), as arguments of a limit analysis."""
+    given = {"friction": friction, "compressive_strength": compressive_strength}
+    if joints is None:
+        return given
+    return {name: None if each is None else np.broadcast_to(each, joints.shape)[joints] for name, each in given.items()}

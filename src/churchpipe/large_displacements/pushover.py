@@ -4,17 +4,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import Any, cast, get_args
+from typing import cast, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from churchpipe.large_displacements.control import Control, ControlPoint, control_of
+from churchpipe.large_displacements.floating import floating
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_at_first
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
 from churchpipe.large_displacements.path import PathStep, solve_state
-from churchpipe.large_displacements.path_arguments import check_path
+from churchpipe.large_displacements.path_arguments import check_path, strengths_of
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.record import Record, vanished
 from churchpipe.large_displacements.settings import PATH
@@ -150,7 +151,7 @@ def block_pushover(
     doubt_argument("block_pushover: compressive_strength", compressive_strength, JointStrength, "compressive_strength")
     one_of("block_pushover: contact_model", contact_model, *get_args(ContactModel))
     programmed = partial(limit_program, load=load, ties=ties, contact_model=contact_model)
-    strengths = partial(_strengths, friction, compressive_strength)
+    strengths = partial(strengths_of, friction, compressive_strength)
     analysed = partial(limit_analysis, contacts=contacts, **programmed.keywords, **strengths(None), solver=solver)
     found = analysed(stones) if state is None else state
     whole = programmed(stones, contacts, **strengths(None))
@@ -298,12 +299,12 @@ class _Curve(Record):
         self.tensions: list[FloatArray] = []
 
     def reached(self) -> Ending | None:
-        """Return how the curve ends: the load factor has vanished, or a stone has gone far enough."""
+        """Return how the curve ends: the load factor has vanished, a stone has gone far enough, or what moves floats."""
         if vanished(self.load_factor, self.proofs[-1][-1], self.nothing):
             return Ending("vanished")
         if self.furthest is not None and self.largest[-1] >= self.furthest:
             return Ending("unfinished", f"the largest displacement asked for, {self.furthest:g} m, was reached")
-        return None
+        return None if self.step is None else floating(self.step, self.model.stones.fixed)
 
     def add(self, step: PathStep) -> Ending | None:
         """Take down a step, and return how the curve ends with it."""
@@ -382,14 +383,6 @@ class _Curve(Record):
             message="; ".join([*filter(None, [ending.message, self.resumed]), *self.jumps(), *lost]),
             seconds=seconds,
         )
-
-
-def _strengths(friction: npt.ArrayLike, compressive_strength: npt.ArrayLike | None, joints: BoolArray | None) -> dict[str, Any]:
-    """Return friction and compressive strength of all joints, or of some (ni,), as arguments of a limit analysis."""
-    given = {"friction": friction, "compressive_strength": compressive_strength}
-    if joints is None:
-        return given
-    return {name: None if each is None else np.broadcast_to(each, joints.shape)[joints] for name, each in given.items()}
 
 
 def _nothing(stones: Assemblage, state: LimitState, seconds: float) -> BlockCapacityCurve:

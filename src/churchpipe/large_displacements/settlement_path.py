@@ -176,7 +176,8 @@ class _Movement(Record):
     def reached(self) -> Ending | None:
         """Return that the support has gone far enough."""
         if self.furthest is not None and self.displacement[-1] >= self.furthest * (1 - 1e-9):
-            return Ending("unfinished", f"the largest movement asked for, {self.furthest:g}, was reached")
+            unit = "m" if cast(SupportMovement, self.model.driven).about is None else "rad"
+            return Ending("unfinished", f"the largest movement asked for, {self.furthest:g} {unit}, was reached")
         return None
 
     def add(self, step: PathStep) -> Ending | None:

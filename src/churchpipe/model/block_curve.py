@@ -42,8 +42,9 @@ class BlockCapacityCurve(Shown, StonePath):
     NaN where the curve ends before.
 
     status: "vanished" the load factor came down to zero; "collapsed" stones fell out that cannot be spared; "unfinished" the
-    steps or the displacement asked for were used up; "not-converged" a step's program was not solved; "unbounded" no load of
-    this kind moves it on; "unstable" the dead load alone brings it down; "failed" the first load factor was not found.
+    steps or the displacement asked for were used up, or the load has lifted what it moves; "not-converged" a step's program was
+    not solved; "unbounded" no load of this kind moves it on; "unstable" the dead load alone brings it down; "failed" the first
+    load factor was not found.
     """
 
     displacement: FloatArray

@@ -60,7 +60,7 @@ def snapshots(stones: Assemblage, followed: Sequence[Followed], folder: Path) ->
     out: list[tuple[str, Path, Job]] = []
     for record, curve in followed:
         last = len(curve.displacement) - 1
-        for step in dict.fromkeys((last // 2, last)):
+        for step in dict.fromkeys((_part_way(curve.displacement, 0.5), last)):
             file = folder / f"{record.name or 'curve'}_{step:03d}.png"
             label = f"{path_label(record)}: {_words(curve, step)}"
             job = (

@@ -267,6 +267,17 @@ def test_loads_travel_with_their_stones() -> None:
     assert curve.load_factor == pytest.approx(-(weight * centre + extra * beside) / (weight * height), abs=1e-6)
 
 
+@pytest.mark.parametrize(("direction", "lifted"), [((0, 0, 1), True), ((0.6, 0, 0.8), False)])
+def test_a_curve_ends_where_the_load_has_lifted_the_stones(direction: tuple[float, ...], lifted: bool) -> None:
+    stones = on_ground(box((0, 0.5), (0, 1), (0, 1)), box((0, 0.5), (0, 1), (1, 2)))
+    curve = cp.block_pushover(stones, cp.find_contacts(stones), cp.LoadCase(direction), 0.6, steps=3)
+    assert curve.status == "unfinished"
+    assert ("would float on" in curve.message) == lifted
+    assert len(curve.displacement) == (1 if lifted else 3)
+    # What balances the weight, and a lift that helps to turn the two over as one body: a (.6 h/2 + .8 b/2) = b/2.
+    assert curve.load_factor[0] == pytest.approx(1.0 if lifted else 0.25 / (0.6 + 0.2), abs=1e-6)
+
+
 def test_a_stone_that_loses_its_seat_falls_and_the_others_go_on() -> None:
     # A slab on a post and on the back of a block, its centroid between the two; a stop holds it as the block rocks away below it.
     post, plate, stop = box((-0.4, -0.05), (0, 1), (0, 4)), box((-9, 9), (-5, 5), (-1, 0)), box((0.2, 0.6), (0, 1), (4.2, 4.4))
