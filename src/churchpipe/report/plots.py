@@ -120,6 +120,8 @@ def new_plot(rows: int, size: tuple[float, float]) -> tuple[Any, Any]:
         a.grid(color="#e6e2db", lw=0.7)
         a.spines[["top", "right"]].set_visible(False)
         a.tick_params(labelsize=8)
+        # Values that hardly differ would be told as what they have beyond a number in the corner.
+        a.ticklabel_format(useOffset=False)
     if rows > 1:
         axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
     return figure, axes

@@ -444,6 +444,15 @@ def test_convergence_plot_shows_what_it_has() -> None:
     assert all(words in full for words in ("interval of the mechanism", "associative, 0.3100", "gap g"))
 
 
+def test_load_factors_that_hardly_differ_are_ticks_as_they_are() -> None:
+    # And not as 0.2 to 1.0, with "1e-5+2.4999e-1" in the corner.
+    history = (Iteration(0.2499925, 0.1, 1e-4), Iteration(0.2499982, 0.0, 1e-5), Iteration(0.2499995, 0.0, 1e-6))
+    drawn = convergence_svg(state_of(tower(), flow="non-associative", history=history), 0.25)
+    texts = re.findall(r"<text[^>]*>([^<]*)</text>", drawn)
+    assert not [text for text in texts if "e\u2212" in text or "+" in text]
+    assert {"0.249992", "0.249998"} <= set(texts)
+
+
 def test_picture_shows_the_mechanism(tmp_path: Path) -> None:
     stones = tower()
     mechanism_picture(stones, rocking(stones), tmp_path / "moved.png", push=np.array([1.0, 0, 0]), size=(300, 220))
