@@ -132,8 +132,8 @@ def gain_table(rows: Sequence[Row], weight: float) -> tuple[list[str], list[list
         gains = sorted(row.record.gains, key=lambda gain: -gain.cohesion)
         again = [math.isfinite(gain.with_cohesion) or math.isfinite(gain.with_weight) for gain in gains]
         for one in [gain for number, gain in enumerate(gains) if number < _GAINS or again[number]]:
-            cells = [f"{1e4 * one.cohesion:+z.4f}", _again(row, one.with_cohesion)]
-            cells += [f"{step * one.weight:+z.5f}", _again(row, one.with_weight)]
+            cells = [minus(f"{1e4 * one.cohesion:+z.4f}"), _again(row, one.with_cohesion)]
+            cells += [minus(f"{step * one.weight:+z.5f}"), _again(row, one.with_weight)]
             out.append([row.label, one.panel, *cells])
     kept = [column for column, title in enumerate(titles) if title != "analysed" or any(row[column] for row in out)]
     return [titles[column] for column in kept], [[row[column] for column in kept] for row in out]

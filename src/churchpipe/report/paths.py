@@ -19,6 +19,7 @@ from churchpipe.report.figures import Job, mechanism_picture
 from churchpipe.report.frames import frames, placed
 from churchpipe.report.motion import push_direction, viewpoint
 from churchpipe.report.packing import packed
+from churchpipe.report.table import minus
 
 Followed = tuple[Analysis, BlockCapacityCurve]
 # Crack maps show the joints at this share of d0, the life safety limit state, and so many walls at the most, those with cracks of
@@ -60,12 +61,14 @@ def snapshots(stones: Assemblage, followed: Sequence[Followed], folder: Path) ->
     out: list[tuple[str, Path, Job]] = []
     for record, curve in followed:
         last = len(curve.displacement) - 1
+        # Both from one side, that from which the end is seen best: or one could not compare them.
+        toward = viewpoint(stones, _gone(curve, last))
         for step in dict.fromkeys((_part_way(curve.displacement, 0.5), last)):
             file = folder / f"{record.name or 'curve'}_{step:03d}.png"
             label = f"{path_label(record)}: {_words(curve, step)}"
             job = (
                 _snapshot,
-                (stones, curve.position[step], curve.rotation[step], _gone(curve, step), file, push_direction(record)),
+                (stones, curve.position[step], curve.rotation[step], _gone(curve, step), file, push_direction(record), toward),
             )
             out.append((label, file, job))
     return out
@@ -111,10 +114,17 @@ def _words(curve: BlockCapacityCurve, step: int) -> str:
     proof = ""
     if step >= curve.proved_steps:
         proof = ", no equilibrium" if curve.jumps[step] else ", not proved"
-    return f"{1e3 * curve.displacement[step]:.3g} mm, load factor {curve.load_factor[step]:.4f}{proof}"
+    gone, factor = (minus(text) for text in (f"{1e3 * curve.displacement[step]:.3g}", f"{curve.load_factor[step]:z.4f}"))
+    return f"{gone} mm, load factor {factor}{proof}"
 
 
 def _snapshot(
-    stones: Assemblage, position: FloatArray, rotation: FloatArray, gone: FloatArray, file: Path, push: FloatArray | None
+    stones: Assemblage,
+    position: FloatArray,
+    rotation: FloatArray,
+    gone: FloatArray,
+    file: Path,
+    push: FloatArray | None,
+    toward: FloatArray,
 ) -> None:
-    mechanism_picture(placed(stones, position, rotation), gone, file, push, amplitude=0.0)
+    mechanism_picture(placed(stones, position, rotation), gone, file, push, amplitude=0.0, toward=toward)

@@ -52,8 +52,16 @@ def test_pictures_stand_half_way_and_at_the_end(curve: cp.BlockCapacityCurve, tm
     assert [file.name for _, file, _ in made] == [f"curve_{half:03d}.png", f"curve_{last:03d}.png"]
     assert f": {1e3 * curve.displacement[half]:.3g} mm," in made[0][0]
     assert made[-1][0].startswith("real path, load +x, friction 0.6: ")
-    # The stones are drawn where they are at the step.
+    # The stones are drawn where they are at the step, and both times from the same side.
     assert np.array_equal(made[-1][2][1][1], curve.position[-1])
+    assert np.array_equal(made[0][2][1][-1], made[1][2][1][-1])
+
+
+def test_figures_below_zero_have_the_minus_sign_of_the_report(curve: cp.BlockCapacityCurve) -> None:
+    back = replace(curve, displacement=-curve.displacement, load_factor=curve.load_factor - 0.21)
+    words = viewer_path(STONES, RECORD, back, origin_of(STONES))["path"]["words"]
+    assert words[-1].startswith(f"\u2212{1e3 * curve.displacement[-1]:.3g} mm, load factor \u2212")
+    assert not any("-" in each for each in words)
 
 
 def test_crack_maps_show_the_joint_that_opens(curve: cp.BlockCapacityCurve) -> None:
@@ -79,7 +87,7 @@ def test_pictures_of_steps_that_are_not_proved_say_so(curve: cp.BlockCapacityCur
 def test_crack_maps_of_a_control_point_that_goes_backwards_or_to_and_fro(curve: cp.BlockCapacityCurve) -> None:
     ((_, expected),) = crack_maps(STONES, CONTACTS, [(RECORD, curve)])
     ((words, drawing),) = crack_maps(STONES, CONTACTS, [(RECORD, replace(curve, displacement=-curve.displacement))])
-    assert ", -" in words
+    assert ", \u2212" in words
     assert drawing == expected
     swaying = 1e-9 * (-1.0) ** np.arange(len(curve.displacement))
     for sign in (1.0, -1.0):
