@@ -1,5 +1,6 @@
 """The displacement that a curve is drawn against."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,10 @@ from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.model.arrays import BoolArray, FloatArray, floats
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
+from churchpipe.model.stone_path import FallenStones
+
+# A control point that goes less than this share of the stone that goes furthest stands still.
+_STILL = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,3 +94,29 @@ def control_of(stones: Assemblage, load: LoadCase, control: npt.ArrayLike | None
         )
     stone = int(owner[free[np.argmin(np.linalg.norm(stones.points[free] - point, axis=1))]])
     return ControlPoint(stone, point - stones.centroid[stone], load.direction)
+
+
+def furthest_move(before: Poses, after: Poses) -> float:
+    """Return how far the centroid that goes furthest has gone between poses, m."""
+    return float(np.linalg.norm(after.centroid - before.centroid, axis=1).max(initial=0.0))
+
+
+def control_said(control: Control, gone: Sequence[float], largest: Sequence[float], fallen: Sequence[FallenStones]) -> list[str]:
+    """Return what is to be said of the point that a curve is drawn against: where it tells little of the motion, or falls.
+
+    gone (ns,) m: its displacement; largest (ns,) m: of the stone that goes furthest.
+    """
+    if not isinstance(control, ControlPoint):
+        return []
+    said: list[str] = []
+    reach, furthest = max(map(abs, gone), default=0.0), max(largest, default=0.0)
+    if reach < _STILL * furthest:
+        said.append(
+            f"the control point goes {1e3 * reach:.2g} mm along the load where a stone goes {1e3 * furthest:.3g} mm, "
+            "so that the displacements of the curve say nothing of this mechanism"
+        )
+    for part in fallen:
+        if control.stone in part.stones:
+            place = f"{1e3 * part.displacement:.3g} mm"
+            said.append(f"the control point falls with its stone at {place}, where the displacements of the curve stand still")
+    return said

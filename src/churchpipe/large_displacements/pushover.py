@@ -9,7 +9,7 @@ from typing import cast, get_args
 import numpy as np
 import numpy.typing as npt
 
-from churchpipe.large_displacements.control import Control, ControlPoint, control_of
+from churchpipe.large_displacements.control import Control, ControlPoint, control_of, control_said, furthest_move
 from churchpipe.large_displacements.floating import floating
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_at_first
@@ -44,8 +44,6 @@ from churchpipe.rigid_blocks.limit import limit_analysis, limit_program
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 from churchpipe.rigid_blocks.ties import all_forces
 
-# A control point that goes less than this share of the stone that goes furthest stands still.
-_STILL = 0.01
 # g / alpha of a state that was certified, with the digits that its file and its units may cost.
 _CERTIFIED = 2 * BIPOTENTIAL_GAP
 
@@ -356,6 +354,9 @@ class _Curve(Record):
         if self.model.large or len(self.load_factor) < 2:
             return False
         way, before = self.gone(step), self.displacement[-1] - self.displacement[-2]
+        if isinstance(self.control, ControlPoint) and not (way > 0.0 and before > 0.0):
+            # One that goes back or stands still tells nothing of how far the structure went.
+            way, before = (furthest_move(one, other) for one, other in ((self.poses[-1], step.state.poses), self.poses[-2:]))
         slope = max((self.load_factor[-2] - self.load_factor[-1]) / before, 0.0) if before > 0.0 else 0.0
         return lost - slope * max(way, 0.0) > PATH.bend * first
 
@@ -363,12 +364,7 @@ class _Curve(Record):
         """Return the curve."""
         gone, factor = self.displacement, self.load_factor
         lost = [f"tie {name} broke at a displacement of {1e3 * at:.3g} mm" for name, at in self.broken.items()]
-        reach, furthest = max(map(abs, gone), default=0.0), max(self.largest, default=0.0)
-        if isinstance(self.control, ControlPoint) and reach < _STILL * furthest:
-            lost.append(
-                f"the control point goes {1e3 * reach:.2g} mm along the load where a stone goes {1e3 * furthest:.3g} mm, "
-                "so that the displacements of the curve say nothing of this mechanism"
-            )
+        lost += control_said(self.control, gone, self.largest, self.fallen)
         d0 = gone[-1] if ending.status == "collapsed" and factor else float("nan")
         if ending.status == "vanished":
             d0 = vanishing(np.array(gone), np.array(factor))

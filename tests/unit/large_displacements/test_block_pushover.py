@@ -13,6 +13,7 @@ from churchpipe.generators import wall
 from churchpipe.io.npz import read_npz, write_npz
 from churchpipe.large_displacements import pushover
 from churchpipe.large_displacements.control import control_of
+from churchpipe.large_displacements.cracks import path_cracks
 from models import ferris_tin_loi_wall
 from solids import box, on_ground
 
@@ -295,6 +296,22 @@ def test_a_stone_that_loses_its_seat_falls_and_the_others_go_on() -> None:
     centre = curve.position[alone, 2]
     assert curve.load_factor[alone] == pytest.approx((1 - centre[:, 0]) / centre[:, 2], abs=1e-5)
     assert curve.status == "vanished"
+
+
+def test_a_curve_says_where_its_control_point_falls() -> None:
+    post, plate, stop = box((-0.4, -0.05), (0, 1), (0, 4)), box((-9, 9), (-5, 5), (-1, 0)), box((0.2, 0.6), (0, 1), (4.2, 4.4))
+    block, slab = box((0, 1), (0, 1), (0, 4)), box((-0.2, 0.2), (0, 1), (4, 4.4))
+    stones = cp.Assemblage.from_polyhedra([plate, post, block, slab, stop], 18e3, fixed=[0, 1, 4])
+    contacts = cp.find_contacts(stones)
+    curve = cp.block_pushover(stones, contacts, PUSH, 0.3, step=0.04, steps=24, control=(-0.2, 0, 4.4))
+    (lost,) = curve.fallen
+    assert f"the control point falls with its stone at {1e3 * lost.displacement:.3g} mm" in curve.message
+    later = curve.displacement[lost.step + 1 :]
+    assert len(later) > 1
+    assert (later == later[0]).all()
+    # All these steps are of one displacement, and only the last step of the stone tells where it fell.
+    there = [path_cracks(stones, contacts, curve, step)[0][(contacts.blocks == 3).any(axis=1)].any() for step in range(24)]
+    assert there == [0 < step <= lost.step for step in range(24)]
 
 
 @pytest.mark.slow
