@@ -29,7 +29,7 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     one of its joints is level and one upright, the level ones lead: the heads of a short stone, or the back of an arch that cuts
     it, may be larger than its beds. No voussoir has both: a stone with level and upright faces alone that has joints of both
     kinds is none, however few neighbours it has. A voussoir in the middle of a wall has more than two, but only two that are
-    not laid in the wall.
+    not laid in the wall; of both ways to read such a stone the one that fits better counts.
 
     Parameters
     ----------
@@ -37,11 +37,35 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     """
     owner = contacts.blocks.ravel()
     normal, area = np.repeat(contacts.frame[:, 0], 2, axis=0), np.repeat(contacts.area, 2)
-    share, turn = _within_wall(normal, along[owner], across[owner])
+    share, _ = _within_wall(normal, along[owner], across[owner])
     loose = ~stones.coursed & ~stones.fixed
     in_ring = np.repeat(loose[contacts.blocks].all(axis=1), 2) & (share > 0.5)
     laid, square = _laid(stones, owner, normal, np.where(share > 0.5, area, 0.0))
-    in_ring, neighbours = _in_rings(stones.count, contacts, in_ring, laid)
+    unlaid = in_ring & np.repeat(~laid[contacts.blocks].any(axis=1), 2)
+    neighbours, others = (np.bincount(owner[own], minlength=stones.count) for own in (in_ring, unlaid))
+    within_wall = (neighbours > 2) & np.isin(others, (1, 2))
+    apart = np.where(within_wall[owner], unlaid, in_ring), np.where(within_wall, others, neighbours)
+    readings = ((in_ring, neighbours), apart)
+    return np.fmin(*(_outside(stones, contacts, along, across, *reading, square) for reading in readings))
+
+
+def _outside(
+    stones: Assemblage,
+    contacts: Contacts,
+    along: FloatArray,
+    across: FloatArray,
+    in_ring: BoolArray,
+    neighbours: IntArray,
+    square: BoolArray,
+) -> FloatArray:
+    """Return the angles (nb,) of `angle_to_joints` for one way to read the stones.
+
+    in_ring: which joints, as seen from either stone, are those of a ring. neighbours (nb,): how many of them each stone has.
+    square (nb,): stones that are no voussoirs.
+    """
+    owner = contacts.blocks.ravel()
+    normal, area = np.repeat(contacts.frame[:, 0], 2, axis=0), np.repeat(contacts.area, 2)
+    share, turn = _within_wall(normal, along[owner], across[owner])
     voussoir = np.isin(neighbours, (1, 2)) & ~square
     alone: BoolArray = ((neighbours == 0) | square)[owner]
     leading: BoolArray = (in_ring & ~alone) | (alone & (share > 0.5))
@@ -92,16 +116,6 @@ def _laid(stones: Assemblage, owner: IntArray, normal: FloatArray, area: FloatAr
 def _aligned(normal: FloatArray) -> tuple[BoolArray, BoolArray]:
     """Return which faces with these normals (k, 3) are level, and which upright."""
     return np.abs(normal[:, 2]) > 1 - ALIGNED**2 / 2, np.abs(normal[:, 2]) < ALIGNED
-
-
-def _in_rings(count: int, contacts: Contacts, in_ring: BoolArray, laid: BoolArray) -> tuple[BoolArray, IntArray]:
-    """Return which joints may be those of a ring, and how many each stone (nb,) has: of a stone in the middle of a wall, those
-    with stones that are not laid in the wall either, if they are one or two."""
-    owner = contacts.blocks.ravel()
-    unlaid = in_ring & np.repeat(~laid[contacts.blocks].any(axis=1), 2)
-    neighbours, others = (np.bincount(owner[own], minlength=count) for own in (in_ring, unlaid))
-    within_wall = (neighbours > 2) & np.isin(others, (1, 2))
-    return np.where(within_wall[owner], unlaid, in_ring), np.where(within_wall, others, neighbours)
 
 
 def _within_wall(normal: FloatArray, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
