@@ -1,19 +1,41 @@
 """How long the stones are laid around the facets of a wall."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from churchpipe.bond.joints import bays
+from churchpipe.bond.junction import wall_junctions
 from churchpipe.bond.patterns import stone_length
+from churchpipe.bond.walls import wall_region
 from churchpipe.bond.zones import bands_of
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.building import Panel
+from churchpipe.model.building import Building, Panel
 from churchpipe.shell_mesh.triangulation import Mesh
 
 # Lengths are rounded to this many decimals of a metre, so that bays that mirror each other have one unit cell.
 _DECIMALS = 9
 
 
-def laid_lengths(panel: Panel, mesh: Mesh, crossed: FloatArray) -> FloatArray:
+@dataclass(frozen=True, slots=True)
+class Bays:
+    """What the courses of a whole wall are divided by: s of its two ends (span), m, and the rectangles (nc, 4) in which other
+    walls cross it, as in `WallJunctions`."""
+
+    span: tuple[float, float]
+    crossed: FloatArray
+
+
+def bays_of(building: Building) -> dict[str, Bays]:
+    """Return the bays of each wall of a building, by its name."""
+    junctions = wall_junctions(building.panels, [wall_region(panel) for panel in building.panels], building.junctions)
+    return {
+        panel.name: Bays((float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max())), own.crossed)
+        for panel, own in zip(building.panels, junctions, strict=True)
+    }
+
+
+def laid_lengths(panel: Panel, mesh: Mesh, whole: Bays) -> FloatArray:
     """Return how long the stones around each facet of a wall are, along their course (nt,) m.
 
     Where clear bays are divided evenly (rule "bay") they are a little longer or shorter than the b that was asked for. Up to the
@@ -21,14 +43,13 @@ def laid_lengths(panel: Panel, mesh: Mesh, crossed: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    panel: the wall. mesh: of its mid-surface. crossed (nc, 4): the rectangles in which other walls cross it, as in
-    `WallJunctions`.
+    panel: the wall, or a tier of it. mesh: of its mid-surface. whole: the bays of the whole wall, which may be longer than a
+    tier of it, such as the upper part of a buttress that slopes.
     """
-    span = (float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max()))
     s, t = mesh.corners.mean(axis=1).T
     found = np.empty(len(s))
-    for band in bands_of(crossed):
-        clear = np.diff(bays(span, band.zones)).ravel()
+    for band in bands_of(whole.crossed):
+        clear = np.diff(bays(whole.span, band.zones)).ravel()
         beside = np.searchsorted(band.zones.mean(axis=1), s)
         inside = (band.low <= t) & (t < band.high)
         for number, region in enumerate(panel.regions):

@@ -7,10 +7,8 @@ from functools import reduce
 import numpy as np
 
 from churchpipe.bond.count import check_count
-from churchpipe.bond.junction import wall_junctions
 from churchpipe.bond.parts import part_names
 from churchpipe.bond.patterns import bond_of
-from churchpipe.bond.walls import wall_region
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
 from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters, components
@@ -25,7 +23,7 @@ from churchpipe.model.shell import ShellModel
 from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings, with_vaults_on
 from churchpipe.shell_mesh.butt_joints import with_butt_joints
 from churchpipe.shell_mesh.element_count import check_elements, check_longest, vault_elements, wall_elements
-from churchpipe.shell_mesh.laid_stones import laid_lengths
+from churchpipe.shell_mesh.laid_stones import Bays, bays_of, laid_lengths
 from churchpipe.shell_mesh.ledges import side_by_side, with_ledges, with_tiers
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
@@ -86,9 +84,8 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
 def _walls(building: Building, bodies: tuple[Assemblage, IntArray] | None, sizes: Mapping[str, float]) -> ShellModel:
     """Return the mid-surfaces of the panels of a building, under its rigid bodies; sizes: of the elements of each, m."""
     levels = tier_levels(building.panels)
-    junctions = wall_junctions(building.panels, [wall_region(panel) for panel in building.panels], building.junctions)
-    crossed = {panel.name: own.crossed for panel, own in zip(building.panels, junctions, strict=True)}
-    found = [_wall_shell(tier, crossed, bodies, sizes) for tier in (tiers(building, levels) if levels else [building])]
+    whole = bays_of(building)
+    found = [_wall_shell(tier, whole, bodies, sizes) for tier in (tiers(building, levels) if levels else [building])]
     shell = reduce(side_by_side, (tier for tier, _ in found))
     if bodies:
         bearing = np.concatenate([own for _, own in found])
@@ -98,13 +95,13 @@ def _walls(building: Building, bodies: tuple[Assemblage, IntArray] | None, sizes
 
 def _wall_shell(
     building: Building,
-    crossed: Mapping[str, FloatArray],
+    whole: Mapping[str, Bays],
     bodies: tuple[Assemblage, IntArray] | None,
     sizes: Mapping[str, float],
 ) -> tuple[ShellModel, IntArray]:
     """Return the mid-surfaces of the panels of a building without its rigid bodies, and which of these each facet is under.
 
-    crossed: where other walls cross each panel, by its name, as the stones are laid.
+    whole: the bays of each whole panel, by its name, as the stones are laid.
     """
     panels, names = with_butt_joints(building)
     bearing = np.empty(0, dtype=np.int64)
@@ -119,7 +116,7 @@ def _wall_shell(
     start = np.cumsum([0] + [len(panel.regions) for panel in panels])
     bond = np.concatenate([mesh.bond + offset for mesh, offset in zip(meshes, start[:-1], strict=True)])
     course = np.array([region.cell.a for region in regions])[bond]
-    lengths = [laid_lengths(panel, mesh, crossed[panel.name]) for panel, mesh in zip(panels, meshes, strict=True)]
+    lengths = [laid_lengths(panel, mesh, whole[panel.name]) for panel, mesh in zip(panels, meshes, strict=True)]
     names = np.array(names)[bond]
     _, rank = np.unique(names, return_inverse=True)
     stone_sizes = np.column_stack([course, np.concatenate(lengths)])

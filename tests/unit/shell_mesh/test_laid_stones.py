@@ -53,8 +53,24 @@ def test_a_bay_shorter_than_half_a_stone_keeps_the_length_that_was_asked_for():
     np.testing.assert_allclose(b[y], np.where(middle[y, 1] < 0, 0.57, 2.9 / 5))
 
 
-def _wall(name, origin, length, height, thickness, parity):
-    axis = np.array([1.0, 0, 0] if name == "x" else [0, 1.0, 0])
-    outline = np.array([[0, 0], [length, 0], [length, height], [0, height]], dtype=float)
+def test_the_upper_part_of_a_wall_that_slopes_has_the_stones_of_its_whole_bay():
+    # From 2.2 m on x is .6 m thick and not .9 m. There y, which slopes, has a bay from .3 to 4 m along it, six stones of .61667 m;
+    # below, one from .45 m, six of .59167 m.
+    slope = np.array([[0, 0], [4.45, 0], [4.45, 1.1], [2.45, 3.85], [0, 3.85]])
+    walls = (
+        _wall("x", (0, 0, 0), 6, 2.2, 0.9, 0),
+        _wall("x above", (0, 0, 0), 6, 0, 0.6, 0, np.array([[0, 2.2], [6, 2.2], [6, 3.85], [0, 3.85]])),
+        _wall("y", (3, -0.45, 0), 4.45, 3.85, 0.6, 1, slope),
+    )
+    shell = derive_shell(Building("buttress", walls, (MATERIAL,)), 0.5)
+    middle, b = shell.points[shell.triangles].mean(axis=1), shell.unit_cells[shell.cell, 1]
+    y = (shell.panel == "y") & (middle[:, 1] > 0.3)
+    np.testing.assert_allclose(b[y], np.where(middle[y, 2] < 2.2, 3.55 / 6, 3.7 / 6))
+
+
+def _wall(name, origin, length, height, thickness, parity, outline=None):
+    axis = np.array([0, 1.0, 0] if name == "y" else [1.0, 0, 0])
+    rectangle = np.array([[0, 0], [length, 0], [length, height], [0, height]], dtype=float)
+    outline = rectangle if outline is None else outline
     bond = BondRegion("bond", outline, "running", UnitCell(a=0.275, b=0.57), joints="bay")
     return Panel(name, PlaneChart(np.array(origin, dtype=float), axis), outline, thickness, (bond,), runs_through=parity)
