@@ -76,10 +76,11 @@ def crossings(panels: Sequence[Panel], solids: Sequence[Region], junctions: Sequ
     for i, j, zone in zones:
         if area(zone) <= TOLERANCE * min(panels[i].thickness, panels[j].thickness) ** 2:
             continue
-        levels, course = _bands(panels[i], panels[j], solids[i], solids[j])
-        if not len(course):
+        marks = [vertices(solids[k])[:, 1] + base_level(panels[k].chart) for k in (i, j)]
+        if min(m.max() for m in marks) - max(m.min() for m in marks) <= TOLERANCE:
             continue
         spans = np.stack([_zone_span(panels, k, zone, (i, j)) for k in (i, j)])
+        levels, course = _bands(panels[i], panels[j], spans, marks)
         cover = [_cover(panels[k], solids[k], span, levels) for k, span in zip((i, j), spans, strict=True)]
         both = (cover[0] > TOLERANCE) & (cover[1] > TOLERANCE)
         if not both.any():
@@ -178,17 +179,19 @@ def _side_by_side(first: str, second: str, shared: float) -> InputError:
     )
 
 
-def _bands(first: Panel, second: Panel, first_solid: Region, second_solid: Region) -> tuple[FloatArray, IntArray]:
-    """Return levels z (n + 1,) m that bound bands in which nothing changes, and the course (n,) of each band."""
-    both = ((first, first_solid), (second, second_solid))
-    marks = [vertices(solid)[:, 1] + base_level(panel.chart) for panel, solid in both]
+def _bands(first: Panel, second: Panel, spans: FloatArray, marks: Sequence[FloatArray]) -> tuple[FloatArray, IntArray]:
+    """Return levels z (n + 1,) m that bound bands in which nothing changes, and the course (n,) of each band.
+
+    spans (2, 2): s of the junction in either wall. marks: z of the corners of either wall.
+    """
     low, high = max(m.min() for m in marks), min(m.max() for m in marks)
-    if high - low <= TOLERANCE:
-        return np.empty(0), np.empty(0, dtype=np.int64)
     a = first.regions[0].cell.a
     base = base_level(first.chart)
     toothed = None not in (first.runs_through, second.runs_through) and first.runs_through != second.runs_through
-    drawn = [panel.filled[:, [1, 3]].ravel() + base_level(panel.chart) for panel, _ in both]
+    drawn = [
+        _filled_here(panel, span, low, high)[:, [1, 3]].ravel() + base_level(panel.chart)
+        for panel, span in zip((first, second), spans, strict=True)
+    ]
     toothed = toothed and not any(map(len, drawn))
     if toothed and (abs(a - second.regions[0].cell.a) > TOLERANCE or abs(base - base_level(second.chart)) > TOLERANCE):
         raise InputError(
@@ -199,7 +202,7 @@ def _bands(first: Panel, second: Panel, first_solid: Region, second_solid: Regio
             remedy="Use one course height, or butt the walls (runs_through = None on one of them).",
         )
     lines = base + a * np.arange(int(np.floor((low - base) / a)), int(np.ceil((high - base) / a)) + 1, dtype=np.float64)
-    marked = np.concatenate(marks + drawn)
+    marked = np.concatenate([*marks, *drawn])
     levels = np.unique(np.concatenate((marked, snap_onto(lines, marked))))
     levels = levels[(levels >= low) & (levels <= high)]
     levels = levels[np.append(True, np.diff(levels) > TOLERANCE)]
@@ -218,12 +221,18 @@ def _cover(panel: Panel, solid: Region, span: FloatArray, levels: FloatArray) ->
 def _first_fills(first: Panel, second: Panel, spans: FloatArray, levels: FloatArray) -> BoolArray | None:
     """Return in which bands (n,) the first of two walls fills their junction, as drawn; None where neither wall says it."""
     for panel, span, own in ((first, spans[0], True), (second, spans[1], False)):
-        s0, t0, s1, t1 = panel.filled.T
-        here = (s0 < span.mean()) & (span.mean() < s1)
-        if here.any():
+        here = _filled_here(panel, span, levels[0], levels[-1])
+        if len(here):
             t = 0.5 * (levels[1:] + levels[:-1])[:, None] - base_level(panel.chart)
-            return ((t0[here] < t) & (t < t1[here])).any(axis=1) == own
+            return ((here[:, 1] < t) & (t < here[:, 3])).any(axis=1) == own
     return None
+
+
+def _filled_here(panel: Panel, span: FloatArray, low: float, high: float) -> FloatArray:
+    """Return what a wall fills (n, 4) of one of its junctions: span (2,), s, and from z low to high, m."""
+    s0, t0, s1, t1 = panel.filled.T
+    base = base_level(panel.chart)
+    return panel.filled[(s0 < span.mean()) & (span.mean() < s1) & (t0 + base < high - TOLERANCE) & (t1 + base > low + TOLERANCE)]
 
 
 def _first_owns(first: Panel, second: Panel, declared: Junction | None, course: IntArray) -> BoolArray:

@@ -80,6 +80,22 @@ def test_toothed_walls_with_unequal_courses_are_an_error():
         junctions(along_x(), along_y(cell=UnitCell(0.2, 0.7)))
 
 
+def test_what_a_wall_fills_of_one_junction_says_nothing_of_another_one_above_it():
+    # Two walls lie on each other along x. Of the junction with the lower one y fills the two lowest courses, as drawn.
+    y = replace(along_y(height=2.0), filled=np.array([[0.0, 0.0, 0.5, 0.5]]))
+    below = along_x()
+    above = replace(below, name="above", outline=below.outline + np.array([0.0, 1.0]))
+    first, second, _ = junctions(below, above, y)
+    assert owned(first, (0.0, 0.5)) == [0.0, 0.25]
+    assert owned(second, (0.0, 0.5)) == [1.25, 1.75]
+
+
+def test_walls_filled_elsewhere_are_still_refused_where_their_courses_do_not_line_up():
+    y = replace(along_y(cell=UnitCell(0.2, 0.7)), filled=np.array([[3.0, 0.0, 3.5, 0.5]]))
+    with pytest.raises(InputError, match="the courses of toothed walls do not line up"):
+        junctions(along_x(), y)
+
+
 def test_walls_that_cross_at_a_slant_are_an_error():
     slant = wall("s", (2.0, -1.0), (0.6, 0.8), 4.0, parity=1)
     with pytest.raises(InputError, match=r"do not cross squarely, .*; found walls at 53\.13 degrees.* Draw them at right angles"):

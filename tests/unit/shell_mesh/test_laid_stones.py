@@ -54,8 +54,8 @@ def test_a_bay_shorter_than_half_a_stone_keeps_the_length_that_was_asked_for():
 
 
 def test_the_upper_part_of_a_wall_that_slopes_has_the_stones_of_its_whole_bay():
-    # From 2.2 m on x is .6 m thick and not .9 m. There y, which slopes, has a bay from .3 to 4 m along it, six stones of .61667 m;
-    # below, one from .45 m, six of .59167 m.
+    # From 2.2 m on x is .6 m thick and not .9 m. There y, which slopes, has a bay of 3.7 m, six stones of .61667 m; below, one of
+    # 3.55 m, six of .59167 m.
     slope = np.array([[0, 0], [4.45, 0], [4.45, 1.1], [2.45, 3.85], [0, 3.85]])
     walls = (
         _wall("x", (0, 0, 0), 6, 2.2, 0.9, 0),
