@@ -295,12 +295,12 @@ def _visit_member(found: Survey, insert: Insert, block: Any, branch: _Branch, pl
     own = texts.get(schema.ID) or place.handle
     before = len(found.stones) + len(found.traces)
     labelled = content.tagged or (len(content.solids) == 1 and bool(texts))
-    if labelled and content.solids and entity_layer(content.solids[0].layer, branch.layer) in found.hidden.all:
-        found.left_out[HIDDEN] += 1
-        return
     if labelled and content.solids:
-        _add_stone(found, content, texts, branch, place, suffix)
-        content = Definition(inserts=content.inserts)
+        if entity_layer(content.solids[0].layer, branch.layer) in found.hidden.all:
+            found.left_out[HIDDEN] += 1
+        else:
+            _add_stone(found, content, texts, branch, place, suffix)
+        content = Definition(tagged=True, inserts=content.inserts)
     deeper = _Branch(
         branch.matrix, branch.layer, branch.fixed, (*branch.names, own + suffix), (*branch.blocks, place.block.upper())
     )

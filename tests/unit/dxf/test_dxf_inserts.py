@@ -285,6 +285,23 @@ def test_the_body_of_a_labelled_stone_is_seen_by_its_own_layer(layer: str, count
     assert (~read_drawing(edited(tmp_path / "a.dxf", hide), support="base").stones.fixed).sum() == count
 
 
+def test_a_labelled_body_that_is_hidden_hides_no_insert_beside_it_in_its_block(tmp_path: Path) -> None:
+    document = ezdxf.new("R2010", units=6)
+    for name in ("SHOWN", "DARK"):
+        document.layers.add(name)
+    document.layers.get("DARK").off()
+    box_mesh().render_mesh(document.blocks.new("INNER"))
+    outer = document.blocks.new("OUTER")
+    box_mesh(1.0).render_mesh(outer, dxfattribs={"layer": "DARK"})
+    outer.add_blockref("INNER", (3, 0, 0), dxfattribs={"layer": "SHOWN"})
+    document.modelspace().add_blockref("OUTER", (0, 0, 0)).add_attrib("PANEL", "wall")
+    document.saveas(tmp_path / "layers.dxf")
+    drawing = read_drawing(tmp_path / "layers.dxf", support="base", unit_weight=18e3)
+    assert (~drawing.stones.fixed).sum() == 1
+    assert drawing.stones.points[:, 0].max() > 3
+    assert "left out: 1 hidden" in str(drawing.findings)
+
+
 def test_faces_of_a_plain_box_are_found_whatever_their_order(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         corners, _ = box((0, 0, 0), (0.4, 0.2, 0.2))
