@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.clusters import components
@@ -311,13 +312,30 @@ def _supported_area(stones: Assemblage, contacts: Contacts, shell: ShellModel, c
     ends, facet = boundary_edges(shell)
     on_base = shell.supported[ends].all(axis=1)
     length = np.linalg.norm(shell.points[ends[:, 1]] - shell.points[ends[:, 0]], axis=1)
+    bearing = length * _bearing(shell, carried)[facet]
     return _relative(
         "supported length x thickness",
         on_stones,
-        float((length * _bearing(shell, carried)[facet])[on_base].sum()),
+        float((bearing[on_base] / _across_base(contacts, shell, base, ends[on_base], facet[on_base])).sum()),
         "m2",
         SUPPORTED,
     )
+
+
+def _across_base(contacts: Contacts, shell: ShellModel, base: BoolArray, ends: IntArray, facet: IntArray) -> FloatArray:
+    """Return the sine (n,) of the angle between each facet (n,) with an edge (n, 2) on the base and the joint (ni, base) there.
+
+    A facet of a vault reaches from the middle of one bed of its stone to that of the next, so the bed is inclined to it, by half
+    the angle of a voussoir: a stone h thick across its facet bears on h over this sine. Walls stand square on their beds.
+    """
+    joints = np.flatnonzero(base)
+    if not len(joints):
+        return np.ones(len(facet))
+    start = contacts.point_ptr
+    centre = np.array([contacts.point[start[row] : start[row + 1]].mean(axis=0) for row in joints])
+    _, nearest = cKDTree(centre).query(shell.points[ends].mean(axis=1))
+    cosine = np.einsum("nc,nc->n", shell.axes[facet, 2], contacts.frame[joints[nearest], 0])
+    return np.sqrt(np.maximum(1 - cosine**2, np.finfo(float).eps))
 
 
 def _bearing(shell: ShellModel, carried: FloatArray) -> FloatArray:
