@@ -11,6 +11,7 @@ from churchpipe.bond.walls import wall_region
 from churchpipe.bond.zones import bands_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import Building, Panel
+from churchpipe.shell_mesh.straight_stones import stations_along
 from churchpipe.shell_mesh.triangulation import Mesh
 
 # Lengths are rounded to this many decimals of a metre, so that bays that mirror each other have one unit cell.
@@ -18,24 +19,28 @@ _DECIMALS = 9
 
 
 @dataclass(frozen=True, slots=True)
-class Bays:
-    """What the courses of a whole wall are divided by: s of its two ends (span), m, and the rectangles (nc, 4) in which other
-    walls cross it, as in `WallJunctions`."""
+class LaidWall:
+    """How the courses of a whole wall are divided: s of its two ends (span), m; the rectangles (nc, 4) in which other walls cross
+    it, as in `WallJunctions`; and s of all head joints of a curved wall (stations), m, none of a plane one."""
 
     span: tuple[float, float]
     crossed: FloatArray
+    stations: FloatArray
 
 
-def bays_of(building: Building) -> dict[str, Bays]:
-    """Return the bays of each wall of a building, by its name."""
-    junctions = wall_junctions(building.panels, [wall_region(panel) for panel in building.panels], building.junctions)
+def laid_walls(building: Building) -> dict[str, LaidWall]:
+    """Return how each wall of a building is laid, by its name."""
+    solids = [wall_region(panel) for panel in building.panels]
+    junctions = wall_junctions(building.panels, solids, building.junctions)
     return {
-        panel.name: Bays((float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max())), own.crossed)
-        for panel, own in zip(building.panels, junctions, strict=True)
+        panel.name: LaidWall(
+            (float(panel.outline[:, 0].min()), float(panel.outline[:, 0].max())), own.crossed, stations_along(panel, solid, own)
+        )
+        for panel, solid, own in zip(building.panels, solids, junctions, strict=True)
     }
 
 
-def laid_lengths(panel: Panel, mesh: Mesh, whole: Bays) -> FloatArray:
+def laid_lengths(panel: Panel, mesh: Mesh, whole: LaidWall) -> FloatArray:
     """Return how long the stones around each facet of a wall are, along their course (nt,) m.
 
     Where clear bays are divided evenly (rule "bay") they are a little longer or shorter than the b that was asked for. Up to the
@@ -43,8 +48,8 @@ def laid_lengths(panel: Panel, mesh: Mesh, whole: Bays) -> FloatArray:
 
     Parameters
     ----------
-    panel: the wall, or a tier of it. mesh: of its mid-surface. whole: the bays of the whole wall, which may be longer than a
-    tier of it, such as the upper part of a buttress that slopes.
+    panel: the wall, or a tier of it. mesh: of its mid-surface. whole: the whole wall, which may be longer than a tier of
+    it, such as the upper part of a buttress that slopes.
     """
     s, t = mesh.corners.mean(axis=1).T
     found = np.empty(len(s))

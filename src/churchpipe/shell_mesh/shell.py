@@ -23,10 +23,11 @@ from churchpipe.model.shell import ShellModel
 from churchpipe.shell_mesh.beams import beams_of, shell_beams, with_bearings, with_vaults_on
 from churchpipe.shell_mesh.butt_joints import with_butt_joints
 from churchpipe.shell_mesh.element_count import check_elements, check_longest, vault_elements, wall_elements
-from churchpipe.shell_mesh.laid_stones import Bays, bays_of, laid_lengths
+from churchpipe.shell_mesh.laid_stones import LaidWall, laid_lengths, laid_walls
 from churchpipe.shell_mesh.ledges import side_by_side, with_ledges, with_tiers
 from churchpipe.shell_mesh.midplanes import MidSurface, mid_surfaces
 from churchpipe.shell_mesh.self_weight import weight_factors
+from churchpipe.shell_mesh.straight_stones import arc_filled
 from churchpipe.shell_mesh.subdivision import Subdivision, subdivide
 from churchpipe.shell_mesh.tiers import tier_levels, tiers
 from churchpipe.shell_mesh.triangulation import Mesh, signed_areas, triangulated
@@ -84,8 +85,8 @@ def derive_shell(building: Building, element_size: float, sizes: Mapping[str, fl
 def _walls(building: Building, bodies: tuple[Assemblage, IntArray] | None, sizes: Mapping[str, float]) -> ShellModel:
     """Return the mid-surfaces of the panels of a building, under its rigid bodies; sizes: of the elements of each, m."""
     levels = tier_levels(building.panels)
-    whole = bays_of(building)
-    found = [_wall_shell(tier, whole, bodies, sizes) for tier in (tiers(building, levels) if levels else [building])]
+    walls = laid_walls(building)
+    found = [_wall_shell(tier, walls, bodies, sizes) for tier in (tiers(building, levels) if levels else [building])]
     shell = reduce(side_by_side, (tier for tier, _ in found))
     if bodies:
         bearing = np.concatenate([own for _, own in found])
@@ -95,13 +96,13 @@ def _walls(building: Building, bodies: tuple[Assemblage, IntArray] | None, sizes
 
 def _wall_shell(
     building: Building,
-    whole: Mapping[str, Bays],
+    walls: Mapping[str, LaidWall],
     bodies: tuple[Assemblage, IntArray] | None,
     sizes: Mapping[str, float],
 ) -> tuple[ShellModel, IntArray]:
     """Return the mid-surfaces of the panels of a building without its rigid bodies, and which of these each facet is under.
 
-    whole: the bays of each whole panel, by its name, as the stones are laid.
+    walls: how each whole panel is laid, by its name.
     """
     panels, names = with_butt_joints(building)
     bearing = np.empty(0, dtype=np.int64)
@@ -116,7 +117,8 @@ def _wall_shell(
     start = np.cumsum([0] + [len(panel.regions) for panel in panels])
     bond = np.concatenate([mesh.bond + offset for mesh, offset in zip(meshes, start[:-1], strict=True)])
     course = np.array([region.cell.a for region in regions])[bond]
-    lengths = [laid_lengths(panel, mesh, whole[panel.name]) for panel, mesh in zip(panels, meshes, strict=True)]
+    lengths = [laid_lengths(panel, mesh, walls[panel.name]) for panel, mesh in zip(panels, meshes, strict=True)]
+    joints = [walls[panel.name].stations for panel in panels]
     names = np.array(names)[bond]
     _, rank = np.unique(names, return_inverse=True)
     stone_sizes = np.column_stack([course, np.concatenate(lengths)])
@@ -129,7 +131,7 @@ def _wall_shell(
         axes=np.concatenate([_axes(*part) for part in zip(surfaces, meshes, facets, strict=True)]),
         thickness=np.repeat([panel.thickness for panel in panels], counts),
         surface_weight=np.array([weights[name] for name in material.tolist()])
-        * np.concatenate([_thickness_carried(*part) for part in zip(surfaces, meshes, facets, lengths, strict=True)]),
+        * np.concatenate([_thickness_carried(*part) for part in zip(surfaces, meshes, facets, joints, strict=True)]),
         cell=cell.ravel(),
         unit_cells=stone_sizes[first],
         bonds=names[first],
@@ -230,21 +232,15 @@ def _axes(surface: MidSurface, mesh: Mesh, facets: FloatArray) -> FloatArray:
     return np.stack([bed, np.cross(normal, bed), normal], axis=1)
 
 
-def _thickness_carried(surface: MidSurface, mesh: Mesh, facets: FloatArray, length: FloatArray) -> FloatArray:
-    """Return for each facet the volume of stones it carries over its own area (nt,) m; length (nt,) m: of these stones."""
+def _thickness_carried(surface: MidSurface, mesh: Mesh, facets: FloatArray, stations: FloatArray) -> FloatArray:
+    """Return for each facet the volume of stones it carries over its own area (nt,) m; stations: s of a curved wall's joints."""
     carried = surface.panel.thickness * weight_factors(surface, mesh.corners)
     chart = surface.panel.chart
     if isinstance(chart, PlaneChart):
         return carried
-    # Stones of a curved wall are straight from joint to joint (the joints of two courses in running bond), so of each sector
-    # of angle x they fill sin(x) / x; and a facet is shorter than the arc whose stones it carries. Voussoirs are cut out of the
-    # wall around them.
-    main, *_ = regions = surface.panel.regions
-    cut = np.array([region.pattern == "voussoir" for region in regions])
-    halved = np.array([(main if out else region).pattern == "running" for region, out in zip(regions, cut, strict=True)])
-    angle = np.where(cut[mesh.bond], main.cell.b, length) * np.where(halved[mesh.bond], 0.5, 1.0) / chart.radius
+    # A facet is shorter than the arc whose stones it carries.
     cross = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
-    return carried * np.sinc(angle / np.pi) * signed_areas(mesh.corners) / (0.5 * np.linalg.norm(cross, axis=1))
+    return carried * arc_filled(chart, mesh, stations) * signed_areas(mesh.corners) / (0.5 * np.linalg.norm(cross, axis=1))
 
 
 def _supported(building: Building, points: FloatArray) -> BoolArray:
