@@ -38,9 +38,8 @@ def bay_joints(field: Field, b: float, through: bool, height: float) -> FloatArr
     """
 
     def inside(length: float) -> FloatArray:
-        return laid_length(length, b) * (
-            np.arange(0.5, stones_in(length, b)) if through else np.arange(0.0, stones_in(length, b) + 1)
-        )
+        count = stones_in(length, b)
+        return laid_length(length, b) * (np.arange(0.5, count) if through else np.arange(0.0, count + 1))
 
     def across(zone: FloatArray, start: float, stop: float) -> FloatArray:
         return np.linspace(start, stop, int(np.ceil((zone[1] - zone[0]) / b - LONGER)) + 1)
