@@ -1,6 +1,6 @@
 """Which wall fills each part of a junction of drawn walls where a count of courses cannot tell, and how often they take turns."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -53,28 +53,23 @@ def toothed(panels: Sequence[Panel], walls: Sequence[StoneWall]) -> list[Panel]:
     """Return panels that say which parts of their junctions they fill, where `runs_through` does not say it rightly.
 
     A panel counts courses of one height, and runs through its junctions on even or on odd ones. Courses of a drawing may be of
-    unlike height, or a wall may be first at one end and second at the other. Walls with few bonding stones are left as they are,
-    for the match gate to judge.
+    unlike height, or a wall may be first at one end and second at the other. Walls with few bonding stones are left as they are:
+    `seldom_bonded` finds them.
 
     Parameters
     ----------
     panels: fitted to the walls, in their order. walls: the stones of each.
     """
     filled: list[list[FloatArray]] = [[panel.filled] for panel in panels]
-    for pair in combinations(range(len(panels)), 2):
-        both = [(walls[k], walls[other]) for k, other in (pair, pair[::-1])]
-        spans = [junction_spans(own, [other]) for own, other in both]
-        # Where a curved wall meets another one twice, which of its two spans is which is not known.
-        if any(len(found) != 1 for found in spans):
-            continue
-        courses = [_courses(own, *found[0]) for (own, _), found in zip(both, spans, strict=True)]
+    for pair, spans in _meeting(walls):
+        courses = [_courses(walls[k], *span) for k, span in zip(pair, spans, strict=True)]
         bands = [_merged(own) for own in courses]
         if sum(map(len, bands)) < _TOOTHED * sum(map(len, courses)):
             continue
         if all(map(len, bands)) and _is_wrong(panels[pair[0]], panels[pair[1]], bands):
-            for k, own, found in zip(pair, bands, spans, strict=True):
+            for k, own, span in zip(pair, bands, spans, strict=True):
                 t = own - base_level(panels[k].chart)
-                start, stop = np.broadcast_to(found[0], (len(t), 2)).T
+                start, stop = np.broadcast_to(span, (len(t), 2)).T
                 filled[k].append(np.stack([start, t[:, 0], stop, t[:, 1]], axis=1))
     return [replace(panel, filled=np.concatenate(own)) for panel, own in zip(panels, filled, strict=True)]
 
@@ -91,16 +86,21 @@ def seldom_bonded(panels: Sequence[Panel], walls: Sequence[StoneWall]) -> tuple[
     panels: fitted to the walls, in their order. walls: the stones of each.
     """
     found: list[SeldomBonded] = []
-    for pair in combinations(range(len(panels)), 2):
-        both = [(walls[k], walls[other]) for k, other in (pair, pair[::-1])]
-        spans = [junction_spans(own, [other]) for own, other in both]
-        if any(len(own) != 1 for own in spans):
-            continue
+    for pair, spans in _meeting(walls):
         near = _LEVEL * min(panels[k].regions[0].cell.a for k in pair)
-        beds, turns = _turns([own for own, _ in both], [own[0] for own in spans], near)
+        beds, turns = _turns([walls[k] for k in pair], spans, near)
         if 0 < turns <= _SELDOM * beds:
             found.append(SeldomBonded((walls[pair[0]].name, walls[pair[1]].name), beds, turns))
     return tuple(found)
+
+
+def _meeting(walls: Sequence[StoneWall]) -> Iterator[tuple[tuple[int, int], list[tuple[float, float]]]]:
+    """Yield the numbers of walls that meet in one place, and from which s to which, m, their junction lies in either."""
+    for first, second in combinations(range(len(walls)), 2):
+        spans = [junction_spans(walls[k], [walls[other]]) for k, other in ((first, second), (second, first))]
+        # Where a curved wall meets another one twice, which of its two spans is which is not known.
+        if all(len(found) == 1 for found in spans):
+            yield (first, second), [found[0] for found in spans]
 
 
 def _turns(walls: Sequence[StoneWall], spans: Sequence[tuple[float, float]], near: float) -> tuple[int, int]:
