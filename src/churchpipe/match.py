@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.clusters import components
@@ -18,6 +17,7 @@ from churchpipe.model.placed_loads import PlacedLoads, check_loads_of
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.shell import ShellModel
 from churchpipe.shell_mesh.beams import APART
+from churchpipe.shell_mesh.bearing import CORNER, across_base, bearing, boundary_edges
 from churchpipe.stones.bed_angles import angle_to_joints
 
 WEIGHT = 0.005
@@ -27,15 +27,11 @@ UNCOVERED = 0.001
 SUPPORTED = 0.02
 MEAN_ANGLE = 3.0
 LOADS = 1e-9
-# Facets of curved walls and vaults carry stones that reach beyond their own edges on one face and less far on the other: their
-# volume over area differs from the thickness by less than this share; where walls overlap at junctions, by more.
-CURVED = 0.1
 # A stone whose bed differs by more than this (degrees) is turned; part of the stones' volume that may be.
 TURNED, TURNED_SHARE = 20.0, 0.001
-# Facets within one stone whose normals differ by more than this (degrees) make it a stone that turns a corner.
-CORNER = 5.0
-# Cosine above which a face of such a stone is its front or back; a joint beside a facet at 45 degrees has up to .92.
-FACING = 0.95
+# Places within a facet, as shares of its corners: the middles of the sixteen equal triangles that it is divided into.
+_SIXTEEN = [(i + u, j + u, 4 - i - j - 2 * u) for u, n in ((1 / 3, 4), (2 / 3, 3)) for i in range(n) for j in range(n - i)]
+WITHIN = np.array(_SIXTEEN) / 4
 # Tells a normal from its opposite: no wall of a drawing lies along it.
 SLANT = np.array([0.8367, 0.5476, 0.0123])
 
@@ -240,7 +236,7 @@ def _thickness(stones: Assemblage, shell: ShellModel, facet: IntArray) -> Figure
     """Compare each stone's volume over the mean area of its front and back with the facet's thickness; means by volume.
 
     A stone that lies off the mid-surface is one of two side by side: it reaches from there to the face of the wall. Stones that
-    turn a corner are left out, unless all do.
+    turn a corner are left out. Where most do, as in a dome of few sides, volume over the area of the mid-surface is compared.
     """
     found = np.flatnonzero(facet >= 0)
     if not len(found):
@@ -263,29 +259,28 @@ def _thickness(stones: Assemblage, shell: ShellModel, facet: IntArray) -> Figure
     around = _facets_around(stones, shell, found[odd])
     turns = [len(normals) > 0 and float(np.abs(normals @ normals.T).min()) < np.cos(np.radians(CORNER)) for normals in around]
     measured[odd[np.array(turns, dtype=np.bool_)]] = False
-    if measured.any():
+    if weight[measured].sum() > 0.5:
         weight = np.where(measured, weight, 0.0) / weight[measured].sum()
     else:
-        for place, normals in zip(odd.tolist(), around, strict=True):
-            own = np.flatnonzero(block == found[place])
-            sides = own[(np.abs(normal[own] @ normals.T) > FACING).any(axis=1)]
-            area = 0.5 * np.linalg.norm(area_vector[sides], axis=1).sum()
-            extent[place] = stones.volume[found[place]] / max(float(area), np.finfo(float).tiny)
+        extent = thickness * stones.volume[found].sum() / float(shell.area @ shell.thickness)
     apart = float(weight @ np.minimum(np.abs(extent / thickness - 1), 1.0))
     return Figure("thickness", float(weight @ extent), float(weight @ thickness), "m", apart, THICKNESS)
 
 
 def _facets_around(stones: Assemblage, shell: ShellModel, chosen: IntArray) -> list[FloatArray]:
-    """Return for each stone the normals (n, 3) of the facets of its panel within its box: of a vault's corner they look apart.
+    """Return for each stone the normals (n, 3) of its panel's facets that reach into its box: at a vault's corner they differ.
 
     Front and back of a stone that turns a corner lie in several planes, so its volume over those of one facet is no thickness.
     """
-    middle = shell.points[shell.triangles].mean(axis=1)
+    corner = shell.points[shell.triangles]
+    low, high = corner.min(axis=1), corner.max(axis=1)
     found: list[FloatArray] = []
     for stone in chosen.tolist():
-        corner = stones.points[slice(*stones.block_point_ptr[stone : stone + 2])]
-        inside = ((middle > corner.min(axis=0)) & (middle < corner.max(axis=0))).all(axis=1) & shell.yields
-        found.append(shell.axes[inside & (shell.panel == stones.panel[stone]), 2])
+        points = stones.points[slice(*stones.block_point_ptr[stone : stone + 2])]
+        start, stop = points.min(axis=0), points.max(axis=0)
+        near = ((low < stop) & (high > start)).all(axis=1) & shell.yields & (shell.panel == stones.panel[stone])
+        place = np.einsum("pk,tkc->tpc", WITHIN, corner[near])
+        found.append(shell.axes[near, 2][((place > start) & (place < stop)).all(axis=2).any(axis=1)])
     return found
 
 
@@ -314,46 +309,14 @@ def _supported_area(stones: Assemblage, contacts: Contacts, shell: ShellModel, c
     ends, facet = boundary_edges(shell)
     on_base = shell.supported[ends].all(axis=1)
     length = np.linalg.norm(shell.points[ends[:, 1]] - shell.points[ends[:, 0]], axis=1)
-    bearing = length * _bearing(shell, carried)[facet]
+    width = length * bearing(shell, carried)[facet]
     return _relative(
         "supported length x thickness",
         on_stones,
-        float((bearing[on_base] / _across_base(contacts, shell, base, ends[on_base], facet[on_base])).sum()),
+        float((width[on_base] / across_base(contacts, shell, base, ends[on_base], facet[on_base])).sum()),
         "m2",
         SUPPORTED,
     )
-
-
-def _across_base(contacts: Contacts, shell: ShellModel, base: BoolArray, ends: IntArray, facet: IntArray) -> FloatArray:
-    """Return the sine (n,) of the angle between each facet (n,) with an edge (n, 2) on the base and the joint (ni, base) there.
-
-    Beds of a vault are inclined to its facets, by half the angle of a voussoir: a stone h thick bears on h over this sine.
-    """
-    joints = np.flatnonzero(base)
-    if not len(joints):
-        return np.ones(len(facet))
-    centre = np.array([contacts.point[slice(*contacts.point_ptr[row : row + 2])].mean(axis=0) for row in joints])
-    _, nearest = cKDTree(centre).query(shell.points[ends].mean(axis=1))
-    cosine = np.einsum("nc,nc->n", shell.axes[facet, 2], contacts.frame[joints[nearest], 0])
-    return np.sqrt(np.maximum(1 - cosine**2, np.finfo(float).eps))
-
-
-def _bearing(shell: ShellModel, carried: FloatArray) -> FloatArray:
-    """Return for each facet (nt,) the thickness on which it bears, m: without what overlaps at junctions.
-
-    Of a plane wall it is the mean of all facets that touch the ground: by itself a facet carries a share of its area, and of its
-    edge on the ground another share may lie in the junction. What curved facets carry differs from their thickness by some per
-    cent, which is no overlap: see `CURVED`.
-    """
-    _, first, panel = np.unique(shell.panel, return_index=True, return_inverse=True)
-    flattest = np.ones(len(first))
-    np.minimum.at(flattest, panel, np.abs(np.einsum("tc,tc->t", shell.axes[:, 2], shell.axes[first, 2][panel])))
-    low = shell.supported[shell.triangles].any(axis=1)
-    borne, full = (np.bincount(panel[low], (shell.area * part)[low], len(first)) for part in (carried, shell.thickness))
-    share = np.divide(borne, full, out=np.ones(len(first)), where=full > 0)
-    curved = flattest[panel] < np.cos(np.radians(CORNER))
-    own = np.where(np.abs(carried / shell.thickness - 1) < CURVED, shell.thickness, carried)
-    return np.where(curved, own, shell.thickness * share[panel])
 
 
 def _mortar_on_base(contacts: Contacts, base: BoolArray) -> float:
@@ -364,14 +327,6 @@ def _mortar_on_base(contacts: Contacts, base: BoolArray) -> float:
     level = np.cross(normal, [0.0, 0.0, 1.0])
     depth = [np.ptp(points[slice(*contacts.point_ptr[row : row + 2])] @ level[row]) for row in heads]
     return float(contacts.gap[heads].mean(axis=1) @ np.array(depth)) if len(heads) else 0.0
-
-
-def boundary_edges(shell: ShellModel) -> tuple[IntArray, IntArray]:
-    """Return the edges (n, 2) that only one facet has, as node numbers, and that facet (n,)."""
-    edges = np.sort(np.concatenate([shell.triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
-    _, first, count = np.unique(edges, axis=0, return_index=True, return_counts=True)
-    alone = first[count == 1]
-    return edges[alone], alone % len(shell.triangles)
 
 
 def _beds(stones: Assemblage, contacts: Contacts, shell: ShellModel, facet: IntArray) -> tuple[Figure, Figure]:

@@ -16,6 +16,9 @@ ALIGNED = 0.02
 # A stone is laid in a wall, and no voussoir, if more than this part of its joints is level or upright. Of the crown of an arch a
 # chord or two are.
 LAID = 0.4
+# Joints of a stone lie in two directions at right angles if the mean of their directions, repeated after a quarter turn, is at
+# least this long: 1 where they do exactly, .98 with deviations of 3 degrees.
+SQUARE = 0.98
 
 
 def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, across: FloatArray) -> FloatArray:
@@ -27,9 +30,11 @@ def angle_to_joints(stones: Assemblage, contacts: Contacts, along: FloatArray, a
     as at the end of a ruined arch, the face opposite. A stone with more neighbours, or with none, lies in a wall drawn without
     courses or stands alone: there the joints count that are within 45 degrees of the mean by area, and head joints do not. Where
     one of its joints is level and one upright, the level ones lead: the heads of a short stone, or the back of an arch that cuts
-    it, may be larger than its beds. No voussoir has both: a stone with level and upright faces alone that has joints of both
-    kinds is none, however few neighbours it has. A voussoir in the middle of a wall has more than two, but only two that are
-    not laid in the wall; of both ways to read such a stone the one that fits better counts.
+    it, may be larger than its beds. In rings of voussoirs side by side the joints between two rings are upright, and larger than
+    the beds where rings are narrow: so inclined joints lead where upright ones meet them at right angles. No voussoir has
+    both: a stone with level and upright faces alone that has joints of both kinds is none, however few neighbours it has. A
+    voussoir in the middle of a wall has more than two, but only two that are not laid in the wall; of both ways to read such
+    a stone the one that fits better counts.
 
     Parameters
     ----------
@@ -78,7 +83,9 @@ def _outside(
     owner, normal, area = np.concatenate([owner, end]), np.concatenate([normal, end_normal]), np.concatenate([area, end_area])
     leading = np.concatenate([leading, np.ones(len(end), dtype=np.bool_)])
     share, turn = _within_wall(normal, along[owner], across[owner])
-    flat, steep = (leading & own for own in _aligned(normal))
+    level, upright = _aligned(normal)
+    steep = leading & upright
+    flat = leading & (level | _inclined_beds(stones.count, owner, turn, np.where(leading, area * share**2, 0.0), level, upright))
     squared = ((neighbours > 2) | square) & (_any(stones.count, owner[flat]) & _any(stones.count, owner[steep]))
     weight = np.where(leading, area * share**2, 0.0) * np.where(squared[owner] & ~flat, SLIGHT, 1.0)
     # Two joints at right angles have no mean direction: of the two bisectors the bed is the one across the line.
@@ -111,6 +118,15 @@ def _laid(stones: Assemblage, owner: IntArray, normal: FloatArray, area: FloatAr
     _, unit, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     straight = np.logical_and.reduceat(np.logical_or(*_aligned(unit)), stones.block_face_ptr[:-1])
     return flat + steep > LAID * whole, (flat > 0) & (steep > 0) & straight
+
+
+def _inclined_beds(
+    count: int, owner: IntArray, turn: FloatArray, weight: FloatArray, level: BoolArray, upright: BoolArray
+) -> BoolArray:
+    """Return the joints (k,) neither level nor upright of stones without level ones, whose joints meet at right angles."""
+    sine, cosine, whole = (np.bincount(owner, weight * part, count) for part in (np.sin(4 * turn), np.cos(4 * turn), 1.0))
+    square = np.hypot(sine, cosine) > SQUARE * whole
+    return ~level & ~upright & (square & ~_any(count, owner[level & (weight > 0)]))[owner]
 
 
 def _aligned(normal: FloatArray) -> tuple[BoolArray, BoolArray]:
