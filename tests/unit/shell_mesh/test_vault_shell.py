@@ -168,6 +168,27 @@ def test_a_dome_stands_where_the_thrust_turns_at_a_level_fold(sizes: dict[str, A
 
 
 @pytest.mark.parametrize(
+    ("build", "sizes", "in_shell", "in_stones"),
+    [
+        (dome, {"rings": 6, "sides": 8, "oculus": 1.0}, 0.7926, 0.5901),
+        # No load factor at all is not zero: the stones slide off their skewbacks under their own weight.
+        (vault, {"kind": "groin", "courses": 13, "stone_length": 0.4, "shape": "segmental", "rise": 1.2}, 0.1016, 0.0),
+    ],
+)
+def test_a_thick_shell_does_not_slide(
+    build: Callable[..., Building], sizes: dict[str, Any], in_shell: float, in_stones: float
+) -> None:
+    """Our own figures of docs/limits.md: nothing that stands on the ground withstands more than its friction, .6 here."""
+    building = build(span=4.0, thickness=0.4, materials=(cp.Material("default", 18e3, 0.6),), **sizes)
+    stones, load = cp.derive_blocks(building), cp.LoadCase((1, 0, 0))
+    blocks = cp.limit_analysis(stones, cp.find_contacts(stones), load, 0.6)
+    assert blocks.status == ("optimal" if in_stones else "unstable")
+    assert np.nan_to_num(blocks.load_factor) == pytest.approx(in_stones, abs=6e-5)
+    shell = cp.shell_limit_analysis(cp.derive_shell(building, 4.0 / 6), load, (cp.Material("default", 18e3, 0.6),))
+    assert shell.load_factor == pytest.approx(in_shell, abs=6e-5)
+
+
+@pytest.mark.parametrize(
     ("sizes", "message"),
     [
         (BARREL | WALLS | {"backing": 0.5}, "vault backing: has no mid-surface of its own; found backing_right, backing_left"),
