@@ -137,7 +137,7 @@ FILES: dict[str, tuple[str, dict[str, Any], set[str]]] = {
         {},
         {"W42", "W19", "W43", "W45"},
     ),
-    "number.obj": (obj(PLATE, LOW).replace("0.5", "0,5"), {}, {"E03", "W10", "W19", "W43", "W45"}),
+    "number.obj": (obj(PLATE, LOW).replace("0.5", "0,5"), {}, {"E03", "W18", "W43", "W45"}),
     "vertex-missing.obj": (obj(PLATE, LOW).replace("f 9 10 12 11", "f 9 10 12 99"), {}, {"E03", "E10", "W43", "W45"}),
     "millimetres.obj": (
         obj(*((name, [tuple(1e3 * v for v in point) for point in points], faces) for name, points, faces in (PLATE, LOW))),

@@ -14,8 +14,8 @@ def dissolve(points: FloatArray, face_nodes: IntArray, face_ptr: IntArray) -> tu
     """Merge neighbouring faces that lie in one plane, of many closed bodies at once.
 
     points (n, 3) m; face_nodes, face_ptr: outward faces as in `Assemblage`, no vertex shared by two bodies. Faces whose union
-    has a hole or touches itself stay apart. Corners on a straight edge between two faces are left out. Triangles that look the
-    other way, as a fan of a face that is not convex has them, are taken off those that they lie on.
+    has a hole, touches itself or closes stay apart. Corners on a straight edge between two faces are left out. Triangles that
+    look the other way, as a fan of a face that is not convex has them, are taken off those that they lie on.
 
     Returns
     -------
@@ -113,8 +113,10 @@ def _walk(starts: IntArray, sizes: IntArray, after: IntArray) -> tuple[IntArray,
 
 
 def _unsound(group: IntArray, face: IntArray, ring: IntArray, node: IntArray) -> BoolArray:
-    """Return for each group whether it has more than one outline, or one that passes a vertex twice."""
-    out = np.bincount(group[face], minlength=int(group.max(initial=-1)) + 1) > 1
+    """Return for each group whether it has no outline, as all faces of a film have together, more than one, or one that passes
+    a vertex twice.
+    """
+    out = np.bincount(group[face], minlength=int(group.max(initial=-1)) + 1) != 1
     order = np.lexsort((node, ring))
     twice = (np.diff(node[order]) == 0) & (np.diff(ring[order]) == 0)
     out[group[face[ring[order[1:]][twice]]]] = True

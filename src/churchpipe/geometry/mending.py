@@ -30,6 +30,7 @@ REPAIRS: Final = (DROPPED, INSIDE, CLOSE, JOINED, FILLED)
 # Vertices closer than this share of the body's size nearly meet.
 NEARLY = 1e-5
 NOTHING = SurfaceFault("it has no faces", "nothing with an area", 0, "faces that close a solid")
+SHEET = SurfaceFault("it encloses nothing", "all its faces lie in one plane", 0, "faces around a volume")
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +63,7 @@ def mend(points: FloatArray, faces: Iterable[Sequence[int]], *, repair: bool) ->
     given = [tuple(face) for face in faces]
     before = signed_volume(points, given)
     changes: Counter[str] = Counter()
-    if given and before > 0 and surface_fault(given) is None and not _doubled(points):
+    if given and before > 0 and surface_fault(given) is None and not _doubled(points) and not _sheet(points, given, before):
         # Nearly every body of a file: closed, outward, each corner once.
         shell, changes[SPLIT], worst = split_warped(points, given)
         after = signed_volume(points, shell) if changes[SPLIT] else before
@@ -73,6 +74,8 @@ def mend(points: FloatArray, faces: Iterable[Sequence[int]], *, repair: bool) ->
         corners, shell = _repaired(corners, shell, changes)
         shell = _outward(corners, shell, changes)
     fault = surface_fault(shell) if shell else NOTHING
+    if fault is None and _sheet(corners, shell, before):
+        fault = SHEET
     if fault:
         mendable = not repair and mend(points, given, repair=True).fault is None
         return Mended(corners, shell, {}, before, before, fault=fault, mendable=mendable)
@@ -105,6 +108,11 @@ def flat(points: FloatArray, faces: Sequence[Face]) -> bool:
     corners = points[sorted({node for face in faces for node in face})]
     spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
     return len(spread) == 3 and bool(spread[2] <= NEARLY * spread[0] < spread[1])
+
+
+def _sheet(points: FloatArray, faces: Sequence[Face], volume: float) -> bool:
+    """Return whether closed faces lie on each other in one plane; most bodies have too much volume to be looked at."""
+    return abs(volume) <= NEARLY * float(np.ptp(points, axis=0).max()) ** 3 and flat(points, faces)
 
 
 def _doubled(points: FloatArray) -> bool:

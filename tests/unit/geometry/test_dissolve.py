@@ -75,6 +75,14 @@ def test_a_face_with_a_hole_stays_in_parts() -> None:
     assert sorted(len(face) for face in found) == [3] * 16 + [4] * 8
 
 
+@pytest.mark.parametrize("thickness", [0.0, 1e-7])
+def test_a_film_of_which_all_faces_lie_in_one_plane_keeps_them(thickness: float) -> None:
+    points, faces = box((0, 1), (0, thickness), (0, 1))
+    found = merged((points, faces), box((3, 4), (3, 4), (3, 4)))
+    assert sorted(map(rotated, found[:6])) == sorted(map(rotated, faces))
+    assert len(found) == 12
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_random_hulls_keep_their_facets(seed: int) -> None:
     points = np.random.default_rng(seed).normal(size=(30, 3))

@@ -144,6 +144,21 @@ def test_joints_and_ground_of_one_face_are_left_out_or_thickened(tmp_path: Path)
     assert cp.find_contacts(stones).area.tolist() == pytest.approx([1.0, 1.0])
 
 
+@pytest.mark.parametrize("place", [0.0, 0.3, 5e5])
+@pytest.mark.parametrize("lean", [0.0, 0.7])
+def test_a_sheet_with_two_sides_is_left_out(place: float, lean: float, tmp_path: Path) -> None:
+    # Its sides are cut into other triangles, so that no face lies on another. Turned, it has a volume by rounding alone.
+    outline = np.array([[1.6, 0, 0.1], [1.9, 0, 0], [2, 0, 0.6], [1.3, 0, 1.2], [1, 0, 0.7]])
+    turn = np.array([[np.cos(lean), -np.sin(lean), 0], [np.sin(lean), np.cos(lean), 0], [0, 0, 1]])
+    sides = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [4, 3, 2], [4, 2, 1], [4, 1, 0]]
+    bodies: list[Solid] = [GROUND, *TOWER, ("sheet", outline @ turn, sides)]
+    moved = [(name, points + place, faces) for name, points, faces in bodies]
+    stones, findings = cp.read_stones(obj(tmp_path / "tower.obj", *moved))
+    assert codes(findings) == {"W18"}
+    assert "left out: 1 flat faces that enclose nothing" in str(findings)
+    assert stones.count == 3
+
+
 def test_stones_drawn_twice_are_an_error_and_dropped_on_request(tmp_path: Path) -> None:
     path = obj(tmp_path / "tower.obj", GROUND, ("low", LOW, BOX_FACES), ("again", LOW, BOX_FACES))
     with pytest.raises(FindingsError, match=r"obj/E11"):
