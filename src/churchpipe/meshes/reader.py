@@ -29,6 +29,7 @@ from churchpipe.dxf.slivers import slivers
 from churchpipe.dxf.units import length_text, plausible, unit_hint
 from churchpipe.errors import InputError
 from churchpipe.findings import Finding, Findings, FindingsError
+from churchpipe.meshes.coarse import coarse
 from churchpipe.meshes.compas import read_compas
 from churchpipe.meshes.gltf import read_gltf
 from churchpipe.meshes.lmgc90 import read_lmgc90
@@ -61,8 +62,6 @@ READERS: Final[dict[str, Callable[[Path], Source]]] = {
 }
 BODIES, BESIDE = "BODIES.DAT", ("DOF.INI", "DRV_DOF.DAT")
 FORMATS = "DXF, OBJ, STL, PLY, GLB, 3MF, 3DM, COMPAS JSON, LMGC90 BODIES.DAT, 3DEC"
-# Steps of the coordinates, as parts of the median stone, above which a file is doubted, and refused.
-COARSE = (1e-3, 1e-2)
 GROUND = "a body that the file fixes, or one named ground, support or foundation"
 UNNAMED = "save it as a file of its own, such as ground.stl, and read the folder (PLY and binary STL have no names)"
 
@@ -136,7 +135,7 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
         findings.append(Finding("E24", "outlines in a plane", "a thickness"))
     bodies = parted(source)
     sizes = [size for item in bodies for size in item.sizes if not item.body.fixed]
-    findings += _coarse(source, float(np.median(sizes))) if sizes else []
+    findings += coarse(source, float(np.median(sizes))) if sizes else []
     unit = _unit(source, float(np.median(sizes)) * reading.scale if sizes else None, reading)
     stones, share = [], np.ones(0)
     if unit is not None:
@@ -241,20 +240,6 @@ def _read_folder(path: Path) -> Source:
         found = f"left out: {counted(len(others), 'file')} in other formats, {named}"
         findings.append(Finding("W18", found, remedy=remedy))
     return Source(bodies, first.reader, first.unit, first.up, findings, first.flat)
-
-
-def _coarse(source: Source, size: float) -> list[Finding]:
-    """Return a finding where coordinates are numbers of 32 bits that stand far apart so far from the origin; size: of a stone."""
-    points = np.concatenate([body.points for body in source.bodies])
-    with np.errstate(over="ignore", invalid="ignore"):
-        single = points.astype(np.float32)
-        step = float(np.spacing(np.abs(single).max(initial=0.0)))
-    # Rounded numbers end in either bit; round ones, which happen to be numbers of 32 bits, in zeros.
-    if step <= COARSE[0] * size or (single != points).any() or not (single.view(np.uint32) & 1).any():
-        return []
-    found = "the coordinates are numbers of 32 bits, which are {} apart so far from the origin"
-    code = "E47" if step > COARSE[1] * size else "W47"
-    return [Finding(code, found, f"steps below {COARSE[0]:g} of a stone", lengths=(step,))]
 
 
 def _unit(source: Source, size: float | None, reading: Reading) -> str | None:

@@ -66,6 +66,51 @@ def test_round_coordinates_far_from_the_origin_are_not_coarse(tmp_path: Path) ->
     assert stones.centroid[~stones.fixed, 1].tolist() == [4e6 + 0.25] * len(bricks)
 
 
+def far_away(north: float) -> list[tuple[FloatArray, list[list[int]]]]:
+    """Twelve bricks of a wall at an angle, in a national grid."""
+    cos, sin = np.cos(0.3), np.sin(0.3)
+    turn = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+    bricks = [box((0.43 * k, 0.43 * k + 0.43), (0, 0.3), (z / 4.7, z / 4.7 + 1 / 4.7)) for k in range(4) for z in range(3)]
+    return [(points @ turn.T + [5e5, north, 200.0], faces) for points, faces in bricks]
+
+
+@pytest.mark.parametrize(
+    ("digits", "code"), [(".8g", "E47"), (".9g", "E47"), (".10g", "W47"), (".7e", "E47"), (".11g", ""), (".3f", "")]
+)
+@pytest.mark.parametrize("write", [write_obj, write_stl])
+def test_few_digits_far_from_the_origin_are_told(write: Callable[..., Path], digits: str, code: str, tmp_path: Path) -> None:
+    # As in a national grid: of 5 000 000.123 m eight digits leave .1 m, ten leave 1 mm. Decimals may be exact and tell nothing.
+    path = write(Assemblage.from_polyhedra(far_away(5e6), 1.0), tmp_path / f"wall.{write.__name__[6:]}", digits=digits)
+    try:
+        _, findings = cp.read_stones(path, unit_weight=20e3, support="base")
+    except FindingsError as error:
+        findings = error.findings
+    assert [found for found in findings.codes if found.endswith("47")] == [code][: len(code)]
+    if code:
+        assert f"{10 if code == 'W47' else 8 if digits != '.9g' else 9} digits" in str(findings)
+        assert "near the origin" in str(findings)
+
+
+@pytest.mark.parametrize("digits", [".9g", ".6f"])
+def test_numbers_of_32_bits_written_as_text_are_told(digits: str, tmp_path: Path) -> None:
+    single = [(points.astype(np.float32).astype(float), faces) for points, faces in far_away(4e5)]
+    path = write_obj(Assemblage.from_polyhedra(single, 1.0), tmp_path / "wall.obj", digits=digits)
+    with pytest.raises(FindingsError, match=r"E47 .*numbers of 32 bits, which are 0\.0312 m apart"):
+        cp.read_stones(path, unit_weight=20e3, support="base")
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0, 0.0), (5e5, 5e6, 0.0), (12.5, 4e6, 201.5)])
+def test_round_bricks_are_not_coarse(place: tuple[float, float, float], tmp_path: Path) -> None:
+    # Courses of 77.5 mm, bricks in steps of 5 mm, and a corner on a whole metre: every number is exact.
+    bricks = [
+        box((0.255 * k, 0.255 * k + 0.245), (0, 0.12), (0.0775 * z, 0.0775 * z + 0.065)) for k in range(50) for z in range(12)
+    ]
+    moved = [(points + np.array(place), faces) for points, faces in bricks]
+    path = write_obj(Assemblage.from_polyhedra(moved, 1.0), tmp_path / "wall.obj", digits=".6f")
+    _, findings = cp.read_stones(path, unit_weight=20e3, support="base", joint=0.01)
+    assert not [found for found in findings.codes if found.endswith("47")]
+
+
 def test_a_sliver_is_told(tmp_path: Path) -> None:
     stones = [box((0.5 * k, 0.5 * k + 0.5), (0, 0.25), (0.25 * z, 0.25 * z + 0.25)) for k in range(3) for z in range(3)]
     film = box((1.5, 1.50015), (0, 0.25), (0, 0.4))
