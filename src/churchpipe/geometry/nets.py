@@ -13,6 +13,10 @@ from churchpipe.model.arrays import FloatArray
 SNAP = 1e-3
 # Ends that miss a line by more, or run past one, are slips of the hand up to this share of that length; they are told.
 SLIP = 0.1
+# Cosine of the angle between the directions of two ends that point at each other.
+OPPOSITE = -0.99
+# Ends that go on to one another are looked at so often, since one that was moved may leave others that met its line.
+ROUNDS = 3
 # An open outline that shares less than this part with all areas is a stone of its own.
 HIDDEN = 0.1
 # A line that turns by less than this (rad) at each of its points is curved: it is no outline that lacks its last side.
@@ -45,11 +49,16 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     count = len(lines)
     median = float(np.median([shapely.LineString(line).length for line in lines]))
     reach, slip = SNAP * median, SLIP * median
-    lines, mended = _reaching(lines, outlines, reach, slip)
+    mended: dict[int, float] = {}
+    for _ in range(ROUNDS):
+        lines, missed = _reaching(lines, outlines, reach, slip)
+        mended |= {k: max(gap, mended.get(k, 0.0)) for k, gap in missed.items()}
     drawn = [*map(shapely.LineString, lines), *map(shapely.LinearRing, outlines)]
     ends = shapely.points(np.concatenate([line[[0, -1]] for line in lines]))
     own = np.repeat(np.arange(count), 2)
-    end, other = shapely.STRtree(drawn).query(ends, predicate="dwithin", distance=reach)
+    # Drawn on as in `_meshed`: two ends that point at each other meet in the middle.
+    longer = [*(_lengthened(line, reach) for line in lines), *drawn[count:]]
+    end, other = shapely.STRtree(longer).query(ends, predicate="dwithin", distance=reach)
     apart = own[end] != other
     met = set(own[end[apart]].tolist()) | set(other[apart].tolist())
     crossing = set(shapely.STRtree(drawn[:count]).query(drawn[:count], predicate="crosses").ravel().tolist()) - met
@@ -59,7 +68,8 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     if beyond:
         net = _meshed(lines, drawn, sorted((met | crossing) - beyond), reach, slip)
     unused = [k for k in range(count) if k in beyond or k not in met | crossing]
-    return replace(net, alone=[*net.alone, *unused], mended=mended | net.mended)
+    told = {k: max(mended.get(k, 0.0), net.mended.get(k, 0.0)) for k in mended | net.mended}
+    return replace(net, alone=[*net.alone, *unused], mended=told)
 
 
 def _reaching(
@@ -68,29 +78,69 @@ def _reaching(
     """Return lines whose straight ends go on to the line that they miss by less than a slip, or to where another end would go
     on to; and by how much they missed it.
     """
-    drawn = [*map(shapely.LineString, lines), *map(shapely.LinearRing, outlines)]
-    tree = shapely.STRtree(drawn)
-    straight = [(k, last) for k, line in enumerate(lines) if len(line) == 2 for last in (0, 1)]
-    short = [
-        (k, last)
-        for k, last in straight
-        if set(tree.query(shapely.Point(lines[k][last]), predicate="dwithin", distance=reach).tolist()) <= {k}
-    ]
-    along = [(lines[k][last] - lines[k][1 - last]) / np.linalg.norm(np.diff(lines[k], axis=0)) for k, last in short]
-    ahead = [shapely.LineString([lines[k][last], lines[k][last] + slip * u]) for (k, last), u in zip(short, along, strict=True)]
+    drawn = [*(_lengthened(line, reach) for line in lines), *map(shapely.LinearRing, outlines)]
+    behind = _short(lines, outlines, reach, slip)
+    short, along = list(behind), {(k, last): _forth(lines[k], last) for k, last in behind}
+    ahead = [shapely.LineString([lines[k][last], lines[k][last] + slip * along[k, last]]) for k, last in short]
     owner = [*range(len(drawn)), *(k for k, _ in short)]
     targets = [*drawn, *ahead]
     tree = shapely.STRtree(targets)
     out, missed = [line.copy() for line in lines], dict[int, float]()
-    for (k, last), u, ray in zip(short, along, ahead, strict=True):
+    for (k, last), ray in zip(short, ahead, strict=True):
+        end = shapely.Point(lines[k][last])
+        tail = shapely.LineString([lines[k][last] - slip * along[k, last], lines[k][last]])
         met = [(o, ray & targets[o]) for o in tree.query(ray, predicate="intersects").tolist() if owner[o] != k]
         # Two ends that point at each other, of sides of two stones in one line, do not meet between them.
         places = [place for o, place in met if o < len(drawn) or place.length == 0]
-        if places:
-            gap = min(float(shapely.distance(shapely.Point(lines[k][last]), place)) for place in places)
-            out[k][last] += gap * u
+        gap = min((float(shapely.distance(end, place)) for place in places), default=np.inf)
+        # An end that ran past a line, or past where another will end on it, goes on to a third one only if that is nearer.
+        coming = [
+            tail & targets[o] for o in tree.query(tail, predicate="intersects").tolist() if o >= len(drawn) and owner[o] != k
+        ]
+        past = [float(shapely.distance(end, place)) for place in coming if place.length == 0]
+        if gap < min([behind[k, last], *past]):
+            out[k][last] += gap * along[k, last]
             missed[k] = max(gap, missed.get(k, 0.0))
-    return out, missed
+    return _joined(out, outlines, missed, reach, slip)
+
+
+def _joined(
+    lines: list[FloatArray], outlines: Sequence[FloatArray], missed: dict[int, float], reach: float, slip: float
+) -> tuple[list[FloatArray], dict[int, float]]:
+    """Return lines whose straight ends that still meet nothing, since they pass by the end of another line, are moved to it."""
+    ends = np.concatenate([line[[0, -1]] for line in lines])
+    ways = np.array([_forth(line, end) for line in lines for end in (0, -1)])
+    for (k, last), past in _short(lines, outlines, reach, slip).items():
+        apart = np.linalg.norm(ends - lines[k][last], axis=1)
+        # Two ends that point at each other, of sides of two stones in one line, do not meet between them.
+        facing = ways @ ways[2 * k + last] < OPPOSITE
+        lost = np.linalg.norm(ends - lines[k][1 - last], axis=1) <= slip
+        apart[facing | lost | (np.arange(len(ends)) // 2 == k)] = np.inf
+        nearest = int(np.argmin(apart))
+        if apart[nearest] <= min(slip, past):
+            lines[k][last] = ends[2 * k + last] = ends[nearest]
+            missed[k] = max(float(apart[nearest]), missed.get(k, 0.0))
+    return lines, missed
+
+
+def _short(
+    lines: Sequence[FloatArray], outlines: Sequence[FloatArray], reach: float, slip: float
+) -> dict[tuple[int, int], float]:
+    """Return the straight ends (line, 0 or 1) that meet no other line, with how far they ran past one, infinite where none is
+    within a slip.
+    """
+    # Drawn on as in `_meshed`, so that an end is short exactly where it would meet nothing there.
+    drawn = [*(_lengthened(line, reach) for line in lines), *map(shapely.LinearRing, outlines)]
+    tree = shapely.STRtree(drawn)
+    out: dict[tuple[int, int], float] = {}
+    for k, last in ((k, last) for k, line in enumerate(lines) if len(line) == 2 for last in (0, 1)):
+        end, along = lines[k][last], _forth(lines[k], last)
+        tail = shapely.LineString([end - slip * along, end + reach * along])
+        met = [tail & drawn[other] for other in tree.query(tail, predicate="intersects").tolist() if other != k]
+        gap = min((float(shapely.distance(shapely.Point(end), place)) for place in met), default=np.inf)
+        if gap > reach:
+            out[k, last] = gap
+    return out
 
 
 def _meshed(
@@ -104,14 +154,20 @@ def _meshed(
     tree = shapely.STRtree(sources)
     found, _, dangles, _ = shapely.polygonize_full(shapely.get_parts(shapely.union_all(sources)))
     meshes: list[tuple[int, FloatArray]] = []
+    mended: dict[int, float] = {}
     for mesh in shapely.get_parts(found):
         # The sliver between two lines that were meant to be one is no stone.
-        if mesh.area > reach * mesh.length:
-            corners = shapely.get_coordinates(mesh.exterior)[:-1]
-            side = np.roll(corners, -1, axis=0) - corners
-            longest = int(np.argmax(np.linalg.norm(side, axis=1)))
-            nearest = int(tree.nearest(shapely.Point(corners[longest] + 0.5 * side[longest])))
-            meshes.append((chosen[nearest], corners))
+        if mesh.area <= reach * mesh.length:
+            continue
+        corners = shapely.get_coordinates(mesh.exterior)[:-1]
+        side = np.roll(corners, -1, axis=0) - corners
+        longest = int(np.argmax(np.linalg.norm(side, axis=1)))
+        nearest = chosen[int(tree.nearest(shapely.Point(corners[longest] + 0.5 * side[longest])))]
+        if mesh.length > slip:
+            meshes.append((nearest, corners))
+        else:
+            # Neither is what lines enclose that were meant to meet in one place.
+            mended[nearest] = float(np.linalg.norm(side[longest]))
     cells = shapely.union_all([shapely.Polygon(corners) for _, corners in meshes])
     alone: list[int] = []
     for k in chosen:
@@ -122,7 +178,6 @@ def _meshed(
             if own.is_valid and own.area > reach * own.length and own.intersection(cells).area < HIDDEN * own.area:
                 alone.append(k)
     loose: set[int] = set()
-    mended: dict[int, float] = {}
     for part in shapely.get_parts(dangles):
         k = chosen[int(tree.nearest(shapely.line_interpolate_point(part, 0.5, normalized=True)))]
         if k >= count or part.length <= 3 * reach:
@@ -194,10 +249,15 @@ def farthest(line: FloatArray, other: FloatArray) -> float:
 def _lengthened(points: FloatArray, reach: float) -> shapely.LineString:
     """Return a line drawn on at both ends, so that it crosses what it was meant to end on."""
     out = points.copy()
-    for end, beside in ((0, 1), (-1, -2)):
-        along = points[end] - points[beside]
-        out[end] += reach * along / np.linalg.norm(along)
+    for end in (0, -1):
+        out[end] += reach * _forth(points, end)
     return shapely.LineString(out)
+
+
+def _forth(line: FloatArray, end: int) -> FloatArray:
+    """Return the direction (2,) in which a line (n, 2) goes on at its first (0) or its last end (-1, or 1 of two points)."""
+    side = line[0] - line[1] if end == 0 else line[-1] - line[-2]
+    return side / np.linalg.norm(side)
 
 
 def _sharpest(line: FloatArray) -> float:
