@@ -17,6 +17,8 @@ SLIP = 0.1
 OPPOSITE = -0.99
 # Ends that go on to one another are looked at so often, since one that was moved may leave others that met its line.
 ROUNDS = 3
+# Ends that are as far apart as this many times where lines meet, a hundredth of the median line, have no mortar between them.
+MORTAR = 10.0
 # An open outline that shares less than this part with all areas is a stone of its own.
 HIDDEN = 0.1
 # A line that turns by less than this (rad) at each of its points is curved: it is no outline that lacks its last side.
@@ -53,6 +55,8 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     for _ in range(ROUNDS):
         lines, missed = _reaching(lines, outlines, reach, slip)
         mended |= {k: max(gap, mended.get(k, 0.0)) for k, gap in missed.items()}
+        if not missed:
+            break
     drawn = [*map(shapely.LineString, lines), *map(shapely.LinearRing, outlines)]
     ends = shapely.points(np.concatenate([line[[0, -1]] for line in lines]))
     own = np.repeat(np.arange(count), 2)
@@ -112,8 +116,9 @@ def _joined(
     ways = np.array([_forth(line, end) for line in lines for end in (0, -1)])
     for (k, last), past in _short(lines, outlines, reach, slip).items():
         apart = np.linalg.norm(ends - lines[k][last], axis=1)
-        # Two ends that point at each other, of sides of two stones in one line, do not meet between them.
-        facing = ways @ ways[2 * k + last] < OPPOSITE
+        # Two ends that point at each other are of sides of two stones in one line, with mortar between them, unless they are
+        # much nearer than mortar is wide.
+        facing = (ways @ ways[2 * k + last] < OPPOSITE) & (apart > MORTAR * reach)
         lost = np.linalg.norm(ends - lines[k][1 - last], axis=1) <= slip
         apart[facing | lost | (np.arange(len(ends)) // 2 == k)] = np.inf
         nearest = int(np.argmin(apart))

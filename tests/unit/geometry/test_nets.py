@@ -53,3 +53,16 @@ def test_ends_that_miss_each_other_enclose_the_stones_that_were_meant(past: floa
     for stone in map(shapely.Polygon, outlines):
         assert max(stone.intersection(mesh).area / stone.union(mesh).area for mesh in meshes) > 0.95
     assert bool(net.mended) == (past > 0 or off > 0)
+
+
+@pytest.mark.parametrize("off", [0.0, 0.0003, 0.001])
+def test_beds_drawn_in_pieces_that_miss_each_other_are_whole(off: float) -> None:
+    # Running bond; the median line is 250 mm long. Where no head joint ends, two pieces of a bed point at each other.
+    rng = np.random.default_rng(7)
+    beds = [[[x / 4, z / 10], [(x + 1) / 4, z / 10]] for z in range(5) for x in range(10)]
+    marks = [sorted({0.0, 2.5, *(np.arange(0, 2.5, 0.25) + 0.125 * (z % 2))}) for z in range(4)]
+    heads = [[[x, z / 10], [x, (z + 1) / 10]] for z in range(4) for x in marks[z]]
+    lines = [np.array(side) + rng.uniform(-off, off, (2, 2)) for side in [*beds, *heads]]
+    net = net_of(lines, [])
+    assert not net.loose
+    assert len(net.meshes) == sum(len(row) - 1 for row in marks)
