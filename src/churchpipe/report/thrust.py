@@ -14,6 +14,8 @@ _INCHES, _DOTS = (6.0, 4.0), 130
 _STONE = "#efe7da"
 # A joint whose thrust passes further out than this share of half its width is a hinge.
 HINGE = 0.98
+# A stone touches the section when it is closer to it than this share of the size of all.
+_TOUCHES = 1e-6
 
 
 def thrust_picture(
@@ -25,7 +27,7 @@ def thrust_picture(
     direction: tuple[float, float] = (1.0, 0.0),
     width: float = 1.0,
 ) -> None:
-    """Write a PNG of the stones of some panels within a strip about an upright section, and of the line of thrust in it.
+    """Write a PNG of the stones of some panels in a strip about an upright section, or cut by it, and of its line of thrust.
 
     panels, through, direction, width: as in `thrust_line`. The line is thicker where more force passes; a circle marks a joint
     at whose edge it passes, a hinge.
@@ -47,10 +49,15 @@ def section_figure(
     along = np.append(np.asarray(direction, dtype=np.float64), 0.0)
     along /= np.linalg.norm(along)
     origin = np.append(np.asarray(through, dtype=np.float64), 0.0)
-    off = (stones.centroid - origin) @ np.cross([0.0, 0.0, 1.0], along)
+    beside = np.cross([0.0, 0.0, 1.0], along)
+    first, off = stones.block_point_ptr[:-1], (stones.points - origin) @ beside
+    within = np.abs((stones.centroid - origin) @ beside) <= width / 2
+    # Stones of walls may be longer than the strip is wide. Where two meet in the section both are drawn, else none would be.
+    close = _TOUCHES * stones.size
+    within |= (np.minimum.reduceat(off, first) <= close) & (np.maximum.reduceat(off, first) >= -close)
     figure = Figure(figsize=_INCHES, layout="constrained")
     axes = figure.add_subplot(aspect="equal")
-    for stone in np.flatnonzero(np.isin(stones.panel, panels) & (np.abs(off) <= width / 2)).tolist():
+    for stone in np.flatnonzero(np.isin(stones.panel, panels) & within).tolist():
         corner = stones.points[slice(*stones.block_point_ptr[stone : stone + 2])]
         flat = np.stack([(corner - origin) @ along, corner[:, 2]], axis=1)
         axes.fill(*flat[ConvexHull(flat).vertices].T, facecolor=_STONE, edgecolor=colours.EDGE, linewidth=0.6)

@@ -13,6 +13,7 @@ from churchpipe.generators import arch, dome, vault
 from churchpipe.model.building import Building
 from churchpipe.report.html import write_report
 from churchpipe.report.table import Row
+from churchpipe.report.thrust import section_figure
 from churchpipe.report.vault_sections import vault_sections
 from churchpipe.thrust_lines import vaulted
 from records import analysis, summary
@@ -129,3 +130,17 @@ def test_walls_and_analyses_without_forces_have_no_section() -> None:
     assert row.state is not None
     lost = cp.LimitState(0.1, "failed", 0.1, 0.1, np.full_like(row.state.forces, np.nan), row.state.velocities)
     assert vault_sections(stones, contacts, [Row(row.record, lost)]) == []
+
+
+@pytest.mark.parametrize("through", [0.5, 0.4])
+def test_stones_that_a_section_cuts_are_drawn_however_long_they_are(through: float) -> None:
+    """Those of the walls are five times as long as the strip is wide. At .5 m two stones of every other course meet."""
+    stones, contacts, row = pushed(vault(**BARREL))
+    assert row.state
+    place, direction, width = (0.0, through), (1.0, 0.0), 0.1
+    line = cp.thrust_line(stones, contacts, row.state.forces, "vault", place, direction, width)
+    figure = section_figure(stones, line, ("vault", "wall_left", "wall_right"), place, direction, width)
+    drawn = [patch.get_path().vertices for patch in figure.axes[0].patches]
+    for middle in (0.125, 0.375, 0.625, 0.875):
+        sides = {float(np.sign(corner[:, 0].mean())) for corner in drawn if corner[:, 1].min() < middle < corner[:, 1].max()}
+        assert sides == {-1.0, 1.0}, middle
