@@ -173,7 +173,8 @@ def onward(
     """Return the state to which a motion of a state leads; see `next_state` and `PathStep`.
 
     While the motion changes little it goes on as it did since the last step (Adams and Bashforth, second order): a linkage
-    keeps its hinges. The velocities are those at the origin, which do not change where a stone turns about an axis at rest.
+    keeps its hinges. By the end of a step that is longer than the last, too, it has changed by little. The velocities are those
+    at the origin, which do not change where a stone turns about an axis at rest.
     """
     way = min(way, furthest)
     stones, centre = standing(model, state), state.poses.centroid
@@ -185,9 +186,12 @@ def onward(
         change = there - state.before
         at_stone = change.copy()
         at_stone[:, :3] += np.cross(change[:, 3:], centre)
-        if float(stone_speed(stones, at_stone).max()) < PATH.steady * float(speed.max(initial=0.0)):
+        changed, most = float(stone_speed(stones, at_stone).max()), PATH.steady * float(speed.max(initial=0.0))
+        if changed < most:
+            # After a short step a small change would be a large one by the end of a long step, which nothing says that it is.
+            longer = min(way / state.way, most / max(changed, 1e-300))
             # Stones that have just fallen do not go on: they stay where they are.
-            motion = there + 0.5 * way / state.way * np.where(state.fallen[:, None], 0.0, change)
+            motion = there + 0.5 * longer * np.where(state.fallen[:, None], 0.0, change)
     twist = motion.copy()
     twist[:, :3] += np.cross(motion[:, 3:], centre)
     # A stone that settles into a gap turns as far however short the step is: a step that it made short is made longer again.
