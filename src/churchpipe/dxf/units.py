@@ -10,6 +10,7 @@ from churchpipe.findings import Finding
 from churchpipe.geometry.mending import signed_volumes
 
 Drawn = Literal["stone", "wall"]
+WHOLE_WALLS = " Where walls are drawn whole, without their stones, pass --bond instead, which lays stones in them."
 
 
 def find_unit(
@@ -76,7 +77,11 @@ def unit_hint(size: float | None, drawn: Drawn, declared: str | None = None) -> 
     tries = ", ".join(f"--units {name} ({length_text(size * schema.metres(name))})" for name in likely)
     known = f"Pass {tries}" if likely else "Pass --units with its unit"
     again = f", or --units {declared} if it is right" if declared else ""
-    return f"The median {drawn} measures {size:.4g} drawing units. {known}{again}."
+    hint = f"The median {drawn} measures {size:.4g} drawing units. {known}{again}."
+    # Walls drawn whole are no stones of a smaller unit: in that one the building would be as small, and its loads as wrong.
+    if drawn == "stone" and declared and size * schema.metres(declared) > schema.PLAUSIBLE_SIZE["stone"][1]:
+        hint += WHOLE_WALLS if plausible(size * schema.metres(declared), "wall") else ""
+    return hint
 
 
 def _size_text(size: float | None, unit: str, drawn: Drawn) -> str:

@@ -143,9 +143,19 @@ def _between(curve: shapely.LineString, begin: float, end: float) -> FloatArray:
 
 
 def _clusters(places: FloatArray, apart: float) -> FloatArray:
-    """Return the means of groups of numbers whose neighbours are no farther apart than that."""
+    """Return the means of groups of numbers whose neighbours are no farther apart than that.
+
+    A group that is longer itself, as of the corners of a curve drawn with small chords, is cut into equal lengths no longer than
+    that: one mean would leave the curve beside it undivided.
+    """
     if not len(places):
         return places
     ordered = np.sort(places)
-    group = np.concatenate([[0], np.cumsum(np.diff(ordered) > apart)])
-    return np.bincount(group, ordered) / np.bincount(group)
+    chain = np.split(ordered, np.flatnonzero(np.diff(ordered) > apart) + 1)
+    means: list[float] = []
+    for own in chain:
+        span = float(own[-1] - own[0])
+        parts = max(int(np.ceil(span / apart)), 1)
+        number = np.minimum((parts * (own - own[0]) / span).astype(np.int64), parts - 1) if span > 0 else np.zeros(len(own), int)
+        means += [float(own[number == part].mean()) for part in np.unique(number)]
+    return np.array(means)

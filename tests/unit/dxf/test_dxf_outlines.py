@@ -531,6 +531,24 @@ def test_polylines_in_an_upright_plane_are_stones_where_they_are_drawn(turn: flo
     assert len(find_contacts(stones).blocks) == 2 * 3 + 3 * 2 + 3
 
 
+def test_a_ring_beside_stones_cut_along_a_fine_polyline_is_divided_as_finely(tmp_path: Path) -> None:
+    """Spandrels with a corner every 12 mm: one mean of all these corners left the voussoirs with chords of 170 mm, to which
+    neighbouring facets grew by so unlike lengths that spandrels crossed themselves."""
+
+    def arch(space: Any) -> None:
+        bulged_ring(space, 600, 350, np.linspace(0, np.pi, 10).tolist(), 10)
+        outside = shapely.box(-1000, 0, 1000, 1200) - shapely.Point(0, 0).buffer(960, 128)
+        for low in range(0, 1200, 250):
+            for part in shapely.get_parts(outside & shapely.box(-1000, low + 5, 1000, min(low + 245, 1195))):
+                space.add_lwpolyline([*part.exterior.coords][:-1], close=True)
+
+    stones = read(drawn(tmp_path / "a.dxf", arch, ground=False), joint=0.010, support="base").stones
+    contacts = find_contacts(stones)
+    check_soundness(stones, contacts)
+    # The drawing encloses the wall without its margins, less half a circle.
+    assert stones.volume[~stones.fixed].sum() == pytest.approx(0.12 * (2.0 * 1.195 - 0.5 * np.pi * 0.6**2 - 0.01), rel=5e-3)
+
+
 def test_inches_that_are_metres_are_told_by_the_size_of_the_outlines(tmp_path: Path) -> None:
     path = drawn(tmp_path / "a.dxf", lambda space: course(space, 10.0, 1e-3), unit=1, ground=False)
     text = str(findings_of(path, joint=0.010, support="base"))
@@ -545,6 +563,22 @@ def test_inches_that_are_millimetres_are_told_by_the_size_of_the_outlines(tmp_pa
     text = str(findings_of(path, joint=10.0, support="base"))
     assert "E05" in text
     assert "--units mm (127 mm)" in text
+
+
+def test_walls_taken_for_stones_are_no_drawing_in_a_smaller_unit_alone(tmp_path: Path) -> None:
+    """A facade in centimetres: as a stone it would be 650 mm large in millimetres, and the whole building a tenth as large."""
+
+    def draw(space: Any) -> None:
+        space.add_lwpolyline([(0, 0), (900, 0), (900, 500), (0, 500)], close=True)
+
+    path = drawn(tmp_path / "a.dxf", draw, unit=5, ground=False)
+    text = str(findings_of(path, thickness=0.6, support="base"))
+    assert "E05" in text
+    assert "pass --bond instead, which lays stones in them" in text
+    read(path, thickness=0.6, support="base", bond="running", course=0.25, stone=0.5)
+    # Bricks in millimetres in a file that says metres are no walls in any case.
+    path = drawn(tmp_path / "b.dxf", lambda space: course(space, 10.0), unit=6, ground=False)
+    assert "--bond" not in str(findings_of(path, joint=10.0, support="base"))
 
 
 def test_duplicates_are_listed_and_dropped_on_request(tmp_path: Path) -> None:
