@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 
@@ -13,6 +13,8 @@ from churchpipe.model.polyhedra import face_normals
 _SLANT = 0.1
 _BENT = 0.05
 _UPRIGHT = 0.1
+# What a message expects of stones without any.
+_NAMED = "stones with names of walls (docs/formats.md, names of walls)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +73,7 @@ def wall_line(stones: Assemblage, name: str, where: str) -> WallLine:
     """
     own = np.flatnonzero((stones.panel == name) & ~stones.fixed)
     if not len(own):
-        known = sorted(set(stones.panel[~stones.fixed].tolist()) - {""})
-        raise InputError(where, "no such wall", found=name, expected=", ".join(known) or "stones with names of walls")
+        raise InputError(where, "no such wall", found=name, expected=named_walls(stones.panel[~stones.fixed]))
     axis = _axis(stones, own, name, where)
     if axis[0] < -1e-9 or (abs(axis[0]) <= 1e-9 and axis[1] < 0):
         axis = -axis
@@ -90,6 +91,11 @@ def wall_line(stones: Assemblage, name: str, where: str) -> WallLine:
         top=float(points[:, 2].max()),
         stones=own,
     )
+
+
+def named_walls(panel: NameArray) -> str:
+    """Return what a message expects where it finds a name that none of the walls (n,) has."""
+    return ", ".join(sorted(set(panel.tolist()) - {""})) or _NAMED
 
 
 def points_of(stones: Assemblage, chosen: IntArray) -> FloatArray:

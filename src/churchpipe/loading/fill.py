@@ -8,6 +8,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.geometry.bare import open_triangles
 from churchpipe.geometry.polygons import below
+from churchpipe.geometry.walls import named_walls
 from churchpipe.loading.pressure import backs
 from churchpipe.model.arguments import check_kind, listed, positive
 from churchpipe.model.arrays import FloatArray
@@ -68,7 +69,7 @@ def with_fill(
     names = (panels,) if isinstance(panels, str) else tuple(listed("with_fill: panels", panels, str))
     missing = sorted(set(names) - set(body.panel.tolist()))
     if missing:
-        expected = ", ".join(sorted(set(body.panel.tolist()) - {""})) or "stones with names of walls"
+        expected = named_walls(body.panel)
         raise InputError("with_fill: panels", "no such panel", found=", ".join(missing), expected=expected)
     if load.profile != "uniform":
         raise InputError("with_fill: load", "not pushed alike at all heights", found=load.profile, expected='profile = "uniform"')

@@ -8,7 +8,7 @@ from churchpipe.errors import InputError
 from churchpipe.geometry.bare import bare_triangles, open_triangles
 from churchpipe.geometry.locate import inside_stones
 from churchpipe.geometry.polygons import behind, below
-from churchpipe.geometry.walls import WallLine, points_of
+from churchpipe.geometry.walls import WallLine, named_walls, points_of
 from churchpipe.loading.bearing import CLOSE
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -85,10 +85,10 @@ def fill_weights(stones: Assemblage, load: Fill) -> list[tuple[FloatArray, int, 
     ------
     InputError: a vault that is not there, nothing below the surface that looks up.
     """
-    known = sorted(set(stones.panel[~stones.fixed].tolist()) - {""})
+    panel = stones.panel[~stones.fixed]
     for name in load.on:
-        if name not in known:
-            raise InputError(f"{load.called}: on", "no such vault", found=name, expected=", ".join(known))
+        if not name or name not in panel:
+            raise InputError(f"{load.called}: on", "no such vault", found=name, expected=named_walls(panel))
     _, normal, _ = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
     found: list[tuple[FloatArray, int, float]] = []

@@ -13,6 +13,7 @@ import numpy as np
 from churchpipe.dxf import schema
 from churchpipe.dxf.duplicates import distinct_stones
 from churchpipe.dxf.jointing import jointed
+from churchpipe.dxf.layer_walls import named_by_layers
 from churchpipe.dxf.laying import laid_stones
 from churchpipe.dxf.reader import (
     Drawing,
@@ -26,6 +27,7 @@ from churchpipe.dxf.reader import (
 )
 from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.slivers import slivers
+from churchpipe.dxf.stones import Stone
 from churchpipe.dxf.units import length_text, plausible, unit_hint
 from churchpipe.errors import InputError
 from churchpipe.findings import Finding, Findings, FindingsError
@@ -143,6 +145,7 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
         factor = schema.metres(unit) * reading.scale
         findings[:] = [finding.in_metres(factor) for finding in findings]
         stones = to_stones(bodies, factor, reading.up or source.up, depth, reading.repair, findings)
+        stones = stones if reading.laid else _named_by_groups(stones)
         stones = distinct_stones(stones, reading.repair, findings)
         if reading.laid and not any(f.severity == "error" for f in findings):
             stones = laid_stones(stones, reading.laid, 1.0, findings)
@@ -160,6 +163,12 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
     if collected.errors or unit is None:
         raise FindingsError(collected, read_bodies(stones, 1.0))
     return Drawing(assembled(stones, "m", weights, collected), (), (), collected, unit, unweighted)
+
+
+def _named_by_groups(stones: list[Stone]) -> list[Stone]:
+    """Return stones with the names of their groups as those of their walls, unless each stone has a group of its own."""
+    groups = [stone.layer for stone in stones if not stone.fixed]
+    return named_by_layers(stones) if len(set(groups)) < len(groups) else stones
 
 
 def read_source(path: Path) -> Source:

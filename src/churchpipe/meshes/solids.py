@@ -103,7 +103,7 @@ def to_stones(
     """Return stones in m, z up, of bodies; findings, in m too, say what was done to them.
 
     factor: m of one unit of the file. thickness: m, of outlines; None for solids. A body whose name, group or material begins
-    with ground, support or foundation is fixed.
+    with ground, support or foundation is fixed. What alone it belongs to is its layer.
     """
     stones: list[Stone] = []
     flats, ground = 0, []
@@ -130,7 +130,8 @@ def to_stones(
         for number, (shell, material) in enumerate(shells, 1):
             name = body.name or f"stone-{len(stones) + 1}"
             name = f"{name}.{number}" if body.name and len(shells) > 1 else name
-            stones.append(Stone(shell.points, tuple(shell.faces), fixed, _place(body, shell.points, name), name, material))
+            place, layer = _place(body, shell.points, name), body.within[0] if len(body.within) == 1 else ""
+            stones.append(Stone(shell.points, tuple(shell.faces), fixed, place, name, material, layer=layer))
         if len(shells) > 1 and body.name:
             place = _place(body, shells[0][0].points)
             findings.append(place.finding("W42", f"{len(shells)} solids under one name; each is a stone"))

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.walls import named_walls
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -63,10 +64,10 @@ def joints_of(stones: Assemblage, contacts: Contacts, group: JointGroup) -> Bool
     ------
     InputError: walls that are not there, no such joint.
     """
-    known = sorted(set(stones.panel[~stones.fixed].tolist()) - {""})
+    free = stones.panel[~stones.fixed]
     for name in group.named:
-        if name not in known:
-            raise InputError(f"joints {group.name}", "no such wall", found=name, expected=", ".join(known))
+        if not name or name not in free:
+            raise InputError(f"joints {group.name}", "no such wall", found=name, expected=named_walls(free))
     panels, held = stones.panel[contacts.blocks], stones.fixed[contacts.blocks]
     chosen = np.ones(len(contacts.blocks), dtype=np.bool_)
     if group.kind is not None:

@@ -145,3 +145,11 @@ def test_what_cannot_be_filled_is_named() -> None:
         cp.with_fill(PUSH, stones, "vault", 1.0, 15e3, cp.find_contacts(other))
     with pytest.raises(InputError, match=r"with_fill: load: not pushed alike at all heights"):
         cp.with_fill(cp.LoadCase((1, 0, 0), profile="linear"), stones, "vault", 1.0, 15e3, contacts)
+
+
+def test_a_fill_of_a_case_on_stones_without_names_says_where_names_come_from() -> None:
+    stones = cp.derive_blocks(BARREL)
+    nameless = replace(stones, panel=np.full(stones.count, ""))
+    fill = cp.Fill(on=("vault",), unit_weight=15e3, top=1.1)
+    with pytest.raises(InputError, match=r"no such vault; found vault; expected stones with names of walls \(docs/formats.md"):
+        cp.place_loads(nameless, [fill])
