@@ -13,6 +13,8 @@ from churchpipe.model.ties import Anchor, Tie
 
 # A floor with more is refused: each is a tie of the analysis.
 MOST_JOISTS = 500
+# How what governs the strength of a joist ends.
+AT_BEARINGS = "at its bearings"
 
 
 def joists_of(stones: Assemblage, floor: Diaphragm) -> list[Tie]:
@@ -48,7 +50,7 @@ def joists_of(stones: Assemblage, floor: Diaphragm) -> list[Tie]:
                 anchors=(first, last),
                 stiffness=floor.modulus * width * height / float(np.linalg.norm(end - start)),
                 ultimate=np.inf if floor.bearing_length is None else floor.bearing_length,
-                governs=f"{held_by} at its bearings",
+                governs=f"{held_by} {AT_BEARINGS}",
                 seated=True,
             )
         )

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from churchpipe.io.records import Analysis
+from churchpipe.io.tie_records import TieForce
+from churchpipe.loading.joists import AT_BEARINGS
 from churchpipe.loading.ties import anchors_of
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
@@ -60,27 +62,41 @@ def beam_rows(stones: Assemblage) -> list[list[str]]:
 
 
 def tie_rows(rows: Sequence[Row]) -> list[list[str]]:
-    """Return a row for each tie of each analysis: tension and strength, kN, their ratio, and what governs."""
-    return [
-        [
-            row.label,
-            tie.name,
-            amount(0.0 if tie.tension <= _SLACK * tie.strength else tie.tension / 1e3, 1),
-            amount(tie.strength / 1e3, 1),
-            "" if math.isnan(tie.share) else f"{tie.share:.2f}",
-            "at its strength" if tie.yielded else "below it",
-            tie.governs,
-        ]
-        for row in rows
-        for tie in row.record.tie_forces
-    ]
+    """Return a row for each tie of each analysis: tension and strength, kN, their ratio, and what governs. Joists of a floor that
+    have all of it in common, as those that slide, have one row."""
+    return [cells for cells, _ in _tie_rows(rows)]
 
 
 def leading_ties(rows: Sequence[Row]) -> list[list[str]]:
     """Return those rows of `tie_rows` that govern where there are many, else none: ties at their strength, and those nearest to
     it."""
-    ties = [tie for row in rows for tie in row.record.tie_forces]
-    return _leading(tie_rows(rows), [tie.share for tie in ties], [tie.yielded for tie in ties])
+    ties = _tie_rows(rows)
+    return _leading([cells for cells, _ in ties], [tie.share for _, tie in ties], [tie.yielded for _, tie in ties])
+
+
+def _tie_rows(rows: Sequence[Row]) -> list[tuple[list[str], TieForce]]:
+    """Return the cells of each row of the table of ties, and the first tie of it."""
+    found: list[tuple[list[str], TieForce]] = []
+    for row in rows:
+        alike: dict[tuple[str, ...], list[TieForce]] = {}
+        for number, tie in enumerate(row.record.tie_forces):
+            floor = tie.name.rpartition(" ")[0] if tie.governs.endswith(AT_BEARINGS) else str(number)
+            alike.setdefault((floor, *_tie_cells(tie)), []).append(tie)
+        for (floor, *cells), ties in alike.items():
+            numbers = [tie.name.rpartition(" ")[2] for tie in ties]
+            name = ties[0].name if len(ties) == 1 else f"{floor} {', '.join(numbers)}"
+            found.append(([row.label, name, *cells], ties[0]))
+    return found
+
+
+def _tie_cells(tie: TieForce) -> tuple[str, ...]:
+    return (
+        amount(0.0 if tie.tension <= _SLACK * tie.strength else tie.tension / 1e3, 1),
+        amount(tie.strength / 1e3, 1),
+        "" if math.isnan(tie.share) else f"{tie.share:.2f}",
+        "at its strength" if tie.yielded else "below it",
+        tie.governs,
+    )
 
 
 def leading_candidates(rows: Sequence[Row]) -> list[list[str]]:

@@ -54,7 +54,7 @@ def variants_section(variants: Sequence[VariantResult], analyses: Sequence[Analy
                     "name": name,
                     "link": link_to(geometry or first, variant.geometry, first),
                     "factors": [_factor(found.get(kind), asis.get(kind), name) for kind in kinds],
-                    "moves": next((words for row in found.values() if (words := what_moves(row.record))), ""),
+                    "moves": _moves(found.values()),
                     # As in the verdict on all loads, the check by displacements governs where there is one.
                     "check": _check(curves.get((load, name), ())) or _check(found.values()),
                     "costs": [_cost(variant.cost.get(key)) for key in costs],
@@ -83,6 +83,12 @@ def _factor(row: Row | None, asis: Row | None, name: str) -> tuple[str, str]:
     if name == AS_IS or before is None or not 0 < before < math.inf or not math.isfinite(value):
         return figure(value, 4), ""
     return figure(value, 4), minus(f"{100 * (value / before - 1):+.1f} %")
+
+
+def _moves(rows: Iterable[Row]) -> str:
+    """Return what moves at the lowest load factor of several analyses that say it."""
+    said = [(row.value("load_factor"), words) for row in rows if (words := what_moves(row.record))]
+    return min(said, key=lambda one: math.inf if one[0] is None else one[0], default=(None, ""))[1]
 
 
 def _check(rows: Iterable[Row]) -> str:

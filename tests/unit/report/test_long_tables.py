@@ -45,6 +45,16 @@ def test_a_slack_tie_has_no_tension(tmp_path: Path) -> None:
     assert [row[2] for row in shown + whole] == ["0.0", "0.04"]
 
 
+def test_joists_that_carry_alike_have_one_row(tmp_path: Path) -> None:
+    joists = tuple(
+        TieForce(f"tie floor {number}", share * 1e3, 1e3, share, share >= 1, "friction at its bearings", 0.0)
+        for number, share in enumerate([1.0, 1.0, 0.2, 1.0, 0.4], 1)
+    )
+    shown, whole, _ = tables(tmp_path, tie_forces=joists + ties(np.array([1.0, 1.0])))
+    assert [row[1] for row in shown + whole] == ["tie floor 1, 2, 4", "tie floor 3", "tie floor 5", "tie 0", "tie 1"]
+    assert [row[4] for row in shown + whole] == ["1.00", "0.20", "0.40", "1.00", "1.00"]
+
+
 def test_no_tie_at_its_strength_is_hidden(tmp_path: Path) -> None:
     shares = np.where(np.arange(19) % 3 < 2, 1.0, SHARES)
     shown, whole, _ = tables(tmp_path, tie_forces=ties(shares))

@@ -79,6 +79,13 @@ def test_each_load_has_the_building_as_it_is_and_its_variants() -> None:
     assert "two ties" in section["chart"]
 
 
+def test_what_moves_is_told_of_the_lowest_load_factor() -> None:
+    sliding = record("n", 0.15, flow="non-associative", parts=[MOVES[0] | {"name": "gable"}])
+    section = variants_section([replace(VARIANTS[0], analyses=("a", "n")), VARIANTS[1]], [*ANALYSES, sliding], "base")
+    assert section is not None
+    assert section["rows"][0]["moves"] == "gable 93 %"
+
+
 def test_each_value_of_a_sweep_has_a_row_of_its_own() -> None:
     # Friction as well, which other tables show in a column: that of the material, and that of single joints.
     keys = "material.default.friction", "joints.0.friction"
