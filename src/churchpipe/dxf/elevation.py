@@ -86,7 +86,7 @@ def stones_of_traces(
     numbers = {name: itertools.count(1) for name, many in of_handle.items() if many > 1}
     stones = [replace(s, name=f"{s.name}.{next(numbers[s.name])}") if s.name in numbers else s for s in stones]
     if outlines:
-        findings += _findings(outlines, plane)
+        findings += _findings(outlines, plane, cut)
     return stones, left
 
 
@@ -144,13 +144,16 @@ def stood_up(points: FloatArray) -> FloatArray:
     return np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
 
 
-def _findings(outlines: list[Outline], plane: ElevationPlane) -> list[Finding]:
+def _findings(outlines: list[Outline], plane: ElevationPlane, cut: bool) -> list[Finding]:
     layers = Counter(outline.trace.layer for outline in outlines)
     named = ", ".join(f"{layer} ({count})" for layer, count in layers.items())
     lying = sum(bool(outline.plane.axes[2][2] == 1.0) for outline in outlines)
-    what = f"{counted(len(outlines), 'outline was taken for a stone', 'outlines were taken for stones')}, on the layers {named}"
+    kind = "whole wall" if cut else "stone"
+    taken = counted(len(outlines), f"outline was taken for a {kind}", f"outlines were taken for {kind}s")
+    what = f"{taken}, on the layers {named}"
     if lying and plane == "xz":
         what += "; the drawing's x-y is taken for the elevation x-z"
-    remedy = "Pass --plane xy if it is a plan." if lying and plane == "xz" else ""
+    unwanted = "Put outlines that are no walls on a layer that is off, or on OPENING or LINTEL." if cut else ""
+    remedy = "Pass --plane xy if it is a plan." if lying and plane == "xz" else unwanted
     out = [outlines[0].trace.place.finding("W24", what, remedy=remedy)]
     return out + [chords(outline.trace, outline.curve) for outline in outlines if outline.curve]

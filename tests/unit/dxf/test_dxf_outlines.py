@@ -575,7 +575,8 @@ def test_walls_taken_for_stones_are_no_drawing_in_a_smaller_unit_alone(tmp_path:
     text = str(findings_of(path, thickness=0.6, support="base"))
     assert "E05" in text
     assert "pass --bond instead, which lays stones in them" in text
-    read(path, thickness=0.6, support="base", bond="running", course=0.25, stone=0.5)
+    laid = read(path, thickness=0.6, support="base", bond="running", course=0.25, stone=0.5)
+    assert "1 outline was taken for a whole wall, on the layers 0 (1)" in str(laid.findings)
     # Bricks in millimetres in a file that says metres are no walls in any case.
     path = drawn(tmp_path / "b.dxf", lambda space: course(space, 10.0), unit=6, ground=False)
     assert "--bond" not in str(findings_of(path, joint=10.0, support="base"))
