@@ -33,6 +33,8 @@ _WIDTH = 3.4
 _FIGURES, _HIGH = 8.0, 3.4
 # Of pictures: browsers that show a finer one at half its size leave lines out, as they do lines laid on its pixels.
 _DPI = 170
+# Red, green and blue of the nearest faces, and of those as far as the building is deep.
+NEAREST, FARTHEST = np.array([0.965, 0.953, 0.925]), np.array([0.76, 0.73, 0.67])
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +95,7 @@ def _axes(view: View) -> tuple[tuple[float, float, float], ...]:
 def _drawing(stones: Assemblage, drawn: BoolArray, loads: DrawnLoads, view: View, cut: float | None = None) -> str:
     """Return the SVG of a view; of what lies beyond a plane alone, where one cuts the stones at this distance towards the eye."""
     from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgb
     from matplotlib.figure import Figure
 
     turned = np.array(_axes(view), dtype=float)
@@ -111,7 +114,8 @@ def _drawing(stones: Assemblage, drawn: BoolArray, loads: DrawnLoads, view: View
     figures = _FIGURES * max(1.0, height / _HIGH)
     figure = Figure(figsize=(_WIDTH, height), layout="constrained", dpi=_DPI)
     axes: Any = figure.subplots()
-    fill = np.where(beam, colours.BEAM, "#f6f3ec").tolist()
+    fill = shades(np.array([points[face, 2].mean() for face in faces]), float(np.ptp(points[shown[stone_of_point(stones)], 2])))
+    fill[beam] = to_rgb(colours.BEAM)
     pale = PolyCollection([points[face, :2] for face in faces], facecolors=fill, edgecolors=colours.EDGE)
     pale.set_linewidth(0.3)
     pale.set_snap(False)
@@ -128,6 +132,15 @@ def _drawing(stones: Assemblage, drawn: BoolArray, loads: DrawnLoads, view: View
     axes.set_aspect("equal")
     axes.axis("off")
     return svg_of(figure)
+
+
+def shades(near: FloatArray, depth: float) -> FloatArray:
+    """Return the colours (n, 3) of faces, darker the farther they are, so that a wall seen through a door is not taken for it.
+
+    near (n,): how near each is; depth: of all that is drawn.
+    """
+    share = (near.max(initial=-np.inf) - near) / max(depth, 1e-9)
+    return NEAREST + np.clip(share, 0.0, 1.0)[:, None] * (FARTHEST - NEAREST)
 
 
 def _faces(stones: Assemblage, shown: BoolArray, points: FloatArray, cut: float | None) -> IntArray:

@@ -228,6 +228,27 @@ def test_dimensions_stand_beside_supports_too(monkeypatch: pytest.MonkeyPatch) -
         assert least < line < lowest
 
 
+def test_what_is_seen_through_a_door_is_darker_than_the_wall_around_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    walls = [
+        {"name": "front", "start": (0, 0), "end": (4, 0), "toward": "+y"},
+        {"name": "back", "start": (0, 4), "end": (4, 4), "toward": "-y"},
+    ]
+    door = {"name": "door", "wall": "front", "centre": 2.0, "width": 1.0, "height": 2.0}
+    building = generators.house(course=0.5, stone_length=1.0, height=3.0, thickness=0.5, walls=walls, openings=[door])
+    stones = cp.derive_blocks(building)
+    pages: list[Figure] = []
+    monkeypatch.setattr("churchpipe.report.drawings.svg_of", lambda plot: pages.append(plot) or "")
+    titles = [title for title, _ in drawings_svg(stones, drawn_loads(stones, []))]
+    faces = pages[titles.index(ELEVATIONS[0].title)].axes[0].collections[0]
+
+    def brightness(place: tuple[float, float]) -> float:
+        """Of the nearest face there, which is the last that is drawn."""
+        nearest = max(k for k, path in enumerate(faces.get_paths()) if path.contains_point(place))
+        return float(np.array(faces.get_facecolor())[nearest, :3].sum())
+
+    assert brightness((1.8, 0.9)) < brightness((0.7, 0.9)) - 0.3
+
+
 def test_long_names_break_at_their_underscores_and_are_escaped() -> None:
     assert breakable("vault_nave_skewback_right 12 %") == "vault_<wbr>nave_<wbr>skewback_<wbr>right 12\u00a0%"
     assert breakable("nave_left, <b>_a_name_of_letters</b>").startswith("nave_left, &lt;b&gt;_<wbr>a_")
