@@ -23,7 +23,7 @@ CUT_HEIGHT = 1.2
 # A building thinner than this share of its length has no section along it, which would show its elevation again, and no
 # elevations of its ends, which the section across it shows.
 _THIN = 0.25
-# A section passes so far beside the middle, m, where a joint may lie.
+# A section passes so far beside the middle, m, and a plan so far above its height, where a joint may lie.
 _BESIDE = 2e-3
 # Above so many faces a drawing is a picture: as lines it would weigh megabytes.
 MOST_LINES = 1200
@@ -61,7 +61,7 @@ def drawings_svg(stones: Assemblage, loads: DrawnLoads) -> list[tuple[str, str]]
     drawn = ~ground_plate(stones)
     low, high = _extent(stones)
     level = min(CUT_HEIGHT, 0.5 * float(high[2] - low[2]))
-    plan = _drawing(stones, drawn, loads, PLAN, low[2] + level)
+    plan = _drawing(stones, drawn, loads, PLAN, low[2] + level + _BESIDE)
     return [
         (f"{PLAN.title}, cut {amount(level, 2)} m above the foot", plan),
         *((view.title, _drawing(stones, drawn, loads, view)) for view in elevations(low, high)),

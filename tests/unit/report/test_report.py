@@ -249,6 +249,20 @@ def test_what_is_seen_through_a_door_is_darker_than_the_wall_around_it(monkeypat
     assert brightness((1.8, 0.9)) < brightness((0.7, 0.9)) - 0.3
 
 
+def test_a_plan_at_the_height_of_a_bed_joint_cuts_the_course_above(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four courses of .3 m end at 1.2 m, where plans are cut: no stone was, and a window above looked like a wall."""
+    walls = [{"name": "front", "start": (0, 0), "end": (4, 0), "toward": "+y"}]
+    window = {"name": "window", "wall": "front", "centre": 2.0, "width": 1.0, "sill": 1.2, "height": 0.9}
+    building = generators.house(course=0.3, stone_length=0.75, height=3.0, thickness=0.5, walls=walls, openings=[window])
+    stones = cp.derive_blocks(building)
+    pages: list[Figure] = []
+    monkeypatch.setattr("churchpipe.report.drawings.svg_of", lambda plot: pages.append(plot) or "")
+    assert "Plan, cut 1.20 m above the foot" in dict(drawings_svg(stones, drawn_loads(stones, [])))
+    solid = pages[0].axes[0].collections[1]
+    areas = [shapely.Polygon(np.asarray(path.vertices, dtype=float)).area for path in solid.get_paths()]
+    assert sum(areas) == pytest.approx(3.0 * 0.5)
+
+
 def test_long_names_break_at_their_underscores_and_are_escaped() -> None:
     assert breakable("vault_nave_skewback_right 12 %") == "vault_<wbr>nave_<wbr>skewback_<wbr>right 12\u00a0%"
     assert breakable("nave_left, <b>_a_name_of_letters</b>").startswith("nave_left, &lt;b&gt;_<wbr>a_")
