@@ -19,6 +19,7 @@ from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_s
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
+from churchpipe.rigid_blocks.coulomb import bipotential_gap
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +135,9 @@ def _with_present_tensions(
 ) -> StepAnswer:
     """Return the answer with load factor and forces under the tensions that elastic ties have at this state.
 
-    Its motion is that under the tensions which they reach within the step, or stones that a stiff tie holds would run away.
+    Its motion is that under the tensions which they reach within the step, or stones that a stiff tie holds would run away. Where
+    it does not fit the forces under present tensions, as where a stone slides towards the tie that pulls it, the answer stays as
+    it is.
     """
     count = len(model.ties.name)
     tension = model.ties.tension(state.rest, state.poses, model.ties.broken(state.rest, state.fallen)) / model.force
@@ -150,8 +153,10 @@ def _with_present_tensions(
     found = solve_step(held, sliding, solve, model.demands.duality_gap)
     if found.outcome != "solved":
         return answer
-    forces = found.forces + pull
-    return replace(answer, forces=forces, load_factor=found.load_factor, residual=found.residual, violation=found.violation)
+    gap, forces = bipotential_gap(held, strength, found.forces, answer.y), found.forces + pull
+    now = replace(answer, forces=forces, load_factor=found.load_factor, residual=found.residual, violation=found.violation)
+    now = replace(now, gap=max(gap, answer.gap))
+    return now if now.misfit <= max(answer.misfit, PATH.fits) else answer
 
 
 def _work(model: MovingModel, answer: StepAnswer, rate: FloatArray) -> float:
@@ -208,6 +213,7 @@ def onward(
             fastest=fastest,
             before=there,
             way=way,
+            first=state.first or abs(state.load_factor),
         ),
     )
 

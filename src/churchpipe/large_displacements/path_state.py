@@ -20,7 +20,7 @@ class PathState:
 
     fastest: `falling.usual_speed` of the last step whose motion was credible. before (nb, 6): velocities of the last step at the
     origin, None as drawn; way (m per unit of work): how far it went; load_factor: its own. rest (nt,) m: what ties have been
-    pulled to.
+    pulled to. first: the first load factor of the path, 0 before it is known.
     """
 
     poses: Poses
@@ -32,6 +32,7 @@ class PathState:
     way: float = 0.0
     load_factor: float = 0.0
     rest: FloatArray = field(default_factory=lambda: np.zeros(0))
+    first: float = 0.0
 
     @property
     def tangents(self) -> FloatArray:

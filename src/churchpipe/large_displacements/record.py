@@ -121,7 +121,7 @@ class Record(ABC):
         self.proofs = [(float(a), float(b), float(c)) for a, b, c in zip(*proofs, strict=True)]
         self.fallen = list(path.fallen)
         state = gone_on(state_at(model, every, path.fallen), path.last, model.reach)
-        state = replace(state, load_factor=self.load_factor[-1])
+        state = replace(state, load_factor=self.load_factor[-1], first=abs(self.load_factor[0]))
         if len(path.last.velocity) == count and self.reached() is None:
             self.friction_power, self.velocity = path.last.power, path.last.velocity
             led = partial(onward, model, state, path.last.velocity, path.last.onward, self.proofs[-1][2])

@@ -95,7 +95,7 @@ class StepSearch:
 
     def _work_across(self, attempt: Attempt, gap: FloatArray) -> float:
         n = np.where(self._program.softness > 0.0, 0.0, np.maximum(attempt.answer.forces[:, 0], 0.0))
-        return float(n @ gap) / max(abs(attempt.answer.load_factor), PATH.least)
+        return float(n @ gap) / max(abs(attempt.answer.load_factor), self._program.least)
 
     def _may_go(self, attempt: Attempt) -> float:
         longest = self._longest(attempt.answer.y)

@@ -29,7 +29,7 @@ def sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Floa
     sliding[: len(state.joints.sliding)] = state.joints.sliding
     if not (pairs and forces.any()) or program.softness.any():
         return search.by_programs(sliding, programs, pairs)
-    begun = StepAnswer("failed", forces, np.nan, last_velocities(model, state, motions.free, program))
+    begun = StepAnswer("failed", forces, np.nan, last_velocities(model, state, motions.free, program), least=program.least)
     last = Attempt(begun, state.length)
     attempt = _of_large(motions, search, program, last, gap, sliding, pairs) if model.large else search.by_pairs(last, pairs)
     # From other forces a large model finds the same motion, with the same misfit.

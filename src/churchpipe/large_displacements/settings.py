@@ -65,8 +65,8 @@ class PathSettings:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
         motion fit, at most. rounds: friction follows the pressure for so many rounds at most, or until it acts elsewhere by no
         more than `at_rest`, a share of a stone. whole_way: after so many rounds it goes half of the way, or it would go to and
-        fro. rests: a misfit above this share of the one before hardly falls any more. least: a load factor nearer to zero than
-        this counts as this much where errors are measured by it.
+        fro. rests: a misfit above this share of the one before hardly falls any more. least, small: a load factor nearer to
+        zero than this, or, of a push, than this share of the first one, counts as this much where errors are measured by it.
 
     What a motion is worth, by what it lacks of one without dilatancy, a share of the load factor (and see `Demands`):
         started: a start further away is not good enough; higher: nor one whose load factor exceeds that of the certified
@@ -125,6 +125,7 @@ class PathSettings:
     at_rest: float = 1e-3
     whole_way: int = 2
     least: float = 0.01
+    small: float = 0.1
     started: float = 0.01
     higher: float = 5e-3
     fits: float = FITS

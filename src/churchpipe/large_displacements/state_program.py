@@ -10,6 +10,7 @@ from churchpipe.conic.solve import solver_for
 from churchpipe.conic.wrenches import Balance
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path_state import PathState, last_motion, standing
+from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.step import StepProgram
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.large_displacements.twisted import friction_shift
@@ -67,7 +68,9 @@ def state_program(model: MovingModel, state: PathState) -> tuple[Assemblage, Ste
             balance, strength = pressed.below(balance), with_further(strength, pressed)
             dead, live = np.append(dead, pressed.constant), np.append(live, np.zeros_like(pressed.constant))
             gap, softness = (np.append(each, np.zeros(len(strength.bound) - points)) for each in (gap, softness))
-    return stones, StepProgram(balance, dead, live, strength, np.zeros_like(gap), points, rows, softness), free, gap
+    pushed = isinstance(model.driven, TravellingLoads)
+    least = max(PATH.least, PATH.small * state.first if pushed else 0.0)
+    return stones, StepProgram(balance, dead, live, strength, np.zeros_like(gap), points, rows, softness, least), free, gap
 
 
 def velocities_of(model: MovingModel, state: PathState, free: IntArray, y: FloatArray) -> FloatArray:

@@ -32,6 +32,7 @@ class StepProgram:
     w + closing stands where w, the rate of opening, would stand without gaps (time-stepping, Anitescu 2006).
 
     Where joints crush, their rows follow the `rows` of the stones, and their further points the `points` (`conic.pressed`).
+    least: a load factor nearer to zero counts as this much where misfits are measured by it.
     """
 
     balance: Balance
@@ -42,6 +43,7 @@ class StepProgram:
     points: int
     rows: int
     softness: FloatArray
+    least: float = PATH.least
 
     def residual(self, x: FloatArray, load_factor: float) -> FloatArray:
         """Return what is left of the balance (m,) of forces x (nc, 3)."""
@@ -106,12 +108,13 @@ class StepAnswer:
     violation: float = np.nan
     bound_gap: float = np.nan
     gap: float = np.nan
+    least: float = PATH.least
     message: str = ""
 
     @property
     def misfit(self) -> float:
-        """What the motion lacks of one without dilatancy, over the load factor."""
-        return self.gap / max(abs(self.load_factor), PATH.least)
+        """What the motion lacks of one without dilatancy, over the load factor, or `StepProgram.least` where that is more."""
+        return self.gap / max(abs(self.load_factor), self.least)
 
 
 def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve, duality_gap: float) -> StepAnswer:
@@ -179,7 +182,7 @@ def without_dilatancy(
     """
     first = answer.outcome != "solved"
     known = 1.0 if first else abs(answer.load_factor)
-    share = demands.fitting * max(known, PATH.least) / max(known, 1e-3)
+    share = demands.fitting * max(known, program.least) / max(known, 1e-3)
     settings = SchemeSettings(bipotential_gap=share, stage_b=pairs)
     n = np.maximum(answer.forces[:, 0], 0.0)
     near, begun = None, None
@@ -195,7 +198,7 @@ def without_dilatancy(
 
     def enough(state: CoulombState) -> bool:
         nonlocal resting, fallen
-        y, gap = state.y / float(program.live @ state.y), state.gap / max(abs(state.load_factor), PATH.least)
+        y, gap = state.y / float(program.live @ state.y), state.gap / max(abs(state.load_factor), program.least)
         rests = bool(seen) and gap > PATH.rests * seen[-1][0]
         resting = resting + 1 if rests else 0
         seen.append((gap, state))
@@ -254,5 +257,6 @@ def _answer(
         violation=cone_violation(x, strength),
         bound_gap=abs(upper - lower) / max(abs(load_factor), 1e-3),
         gap=bipotential_gap(program, strength, x, y),
+        least=program.least,
         message=message,
     )

@@ -10,6 +10,8 @@ from churchpipe.large_displacements.moving_model import MovingModel, moving_mode
 from churchpipe.large_displacements.path import onward
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.settings import PATH
+from churchpipe.large_displacements.state_program import state_program
+from churchpipe.large_displacements.step import StepAnswer
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.rigid_blocks.equilibrium import equilibrium
 from solids import box, on_ground
@@ -22,6 +24,21 @@ def pushed() -> tuple[MovingModel, PathState]:
     balance = equilibrium(stones, contacts, load)
     model = moving_model(stones, contacts, load, live_loads(stones, load), 0.4, balance, ~stones.fixed, 0.02, "auto")
     return model, first_state(model)
+
+
+def test_a_misfit_is_a_share_of_the_load_factor_or_of_a_tenth_of_the_first_one() -> None:
+    """Of a push that has nearly vanished a share tells nothing: an error of .1 % of the first load factor is 10 % of what is left
+    when a hundredth is."""
+    model, state = pushed()
+    program = state_program(model, state)[1]
+    assert program.least == PATH.least
+    on_the_way = onward(model, replace(state, load_factor=0.4), np.zeros((2, 6)), 0.01, 0.0)
+    further = onward(model, replace(on_the_way, load_factor=0.02), np.zeros((2, 6)), 0.01, 0.0)
+    assert further.first == 0.4
+    assert state_program(model, further)[1].least == pytest.approx(0.04)
+    answer = StepAnswer("solved", np.zeros((4, 3)), 0.004, np.zeros(6), gap=0.0004, least=0.04)
+    assert answer.misfit == pytest.approx(0.01)
+    assert replace(answer, load_factor=0.4).misfit == pytest.approx(0.001)
 
 
 @pytest.mark.parametrize(("last", "further"), [(0.01, 0.1), (0.02, 0.05), (0.005, 0.15), (1e-5, 0.15)])
