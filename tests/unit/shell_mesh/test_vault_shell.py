@@ -186,6 +186,8 @@ def test_a_thick_shell_does_not_slide(
     assert np.nan_to_num(blocks.load_factor) == pytest.approx(in_stones, abs=6e-5)
     shell = cp.shell_limit_analysis(cp.derive_shell(building, 4.0 / 6), load, (cp.Material("default", 18e3, 0.6),))
     assert shell.load_factor == pytest.approx(in_shell, abs=6e-5)
+    said = f"the push is {in_shell:.4f} of the weight, more than the friction of the joints, 0.6"
+    assert (said in shell.message) == (in_shell > 0.6)
 
 
 @pytest.mark.parametrize(
