@@ -10,7 +10,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.checks import SafetyCheck
+from churchpipe.model.checks import SafetyCheck, SpectrumParameters
 from churchpipe.model.doubts import doubt_fields, question
 from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual, check_ranges, in_range, unit_of
 from churchpipe.spectrum import Demand, SiteSpectrum, Spectrum, StoreySpectrum
@@ -152,8 +152,13 @@ class Site:
         """S = S_S S_T."""
         if self.soil_factor is not None:
             return self.soil_factor
-        found = self.spectrum.of(self.ground_acceleration, None) if self.spectrum else None
-        return found.soil_amplification(self.ground_acceleration) if isinstance(found, Spectrum) else math.nan
+        return self.parameters.soil_factor if self.parameters else math.nan
+
+    @property
+    def parameters(self) -> SpectrumParameters | None:
+        """What makes the spectrum of the ground at a_g, None of a table or without one."""
+        found = self.spectrum.of(self.ground_acceleration, self.soil_factor) if self.spectrum else None
+        return found.parameters(self.ground_acceleration) if isinstance(found, Spectrum) else None
 
     @property
     def demand(self) -> Demand | None:

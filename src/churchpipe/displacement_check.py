@@ -108,6 +108,7 @@ def displacement_check(
         a_g_slv_idealised=capacity(careful.idealised, demand).ground,
         force_based=force,
         governs=_governs(limits["SLV"], force, cut=bool(unproved) and found is curves[0]),
+        spectrum=site.parameters,
         demand={name: demand_curve(demand, ground, rule.damping, furthest) for name, rule in LIMIT_STATES.items()},
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import one_of, positive
 from churchpipe.model.arrays import floats, store
-from churchpipe.model.checks import DemandCurve
+from churchpipe.model.checks import DemandCurve, SpectrumParameters
 from churchpipe.model.doubts import doubt_fields
 from churchpipe.model.quantities import GRAVITY, Quantity, Usual
 
@@ -80,26 +80,32 @@ class Spectrum:
         if self.soil_factor is not None:
             positive("Spectrum.soil_factor", self.soil_factor)
 
-    def soil_amplification(self, ground: float) -> float:
-        """Return S = S_S S_T at a ground acceleration a_g, m/s2."""
-        if self.soil_factor is not None:
-            return self.soil_factor
-        least, top, slope, most, _, _ = SOILS[self.soil]
-        own = min(max(top - slope * self.amplification * ground / GRAVITY, least), most)
-        return own * TOPOGRAPHY[self.topography]
-
-    @property
-    def plateau_end(self) -> float:
-        """TC = C_C TC*, s."""
-        factor, power = (1.0, 0.0) if self.soil_factor is not None else SOILS[self.soil][4:]
-        return factor * self.start**power * self.start
+    def parameters(self, ground: float) -> SpectrumParameters:
+        """Return what makes the spectrum at a ground acceleration a_g, m/s2."""
+        soil, topography, whole, longer = None, None, self.soil_factor, 1.0
+        if whole is None:
+            least, top, slope, most, factor, power = SOILS[self.soil]
+            soil = min(max(top - slope * self.amplification * ground / GRAVITY, least), most)
+            topography = TOPOGRAPHY[self.topography]
+            whole, longer = soil * topography, factor * self.start**power
+        plateau_end = longer * self.start
+        return SpectrumParameters(
+            amplification=self.amplification,
+            start=self.start,
+            stratigraphic=soil,
+            topographic=topography,
+            soil_factor=whole,
+            period_factor=longer,
+            rising_end=plateau_end / 3,
+            plateau_end=plateau_end,
+            velocity_end=4 * ground / GRAVITY + 1.6,
+        )
 
     def acceleration(self, period: float, ground: float, damping: float) -> float:
         """Return S_e, m/s2, at a period, s, for a ground acceleration a_g, m/s2, and a damping in percent [3.2.2]."""
-        eta = damping_factor(damping)
-        tc = self.plateau_end
-        tb, td = tc / 3, 4 * ground / GRAVITY + 1.6
-        top = ground * self.soil_amplification(ground) * eta * self.amplification
+        eta, made = damping_factor(damping), self.parameters(ground)
+        tb, tc, td = made.rising_end, made.plateau_end, made.velocity_end
+        top = ground * made.soil_factor * eta * self.amplification
         if period < tb:
             return top * (period / tb + (1 - period / tb) / (eta * self.amplification))
         if period < tc:

@@ -408,6 +408,27 @@ def test_what_moves_later_does_not_make_the_oscillator_go_further() -> None:
     assert found.d0 == pytest.approx(gone[3], rel=1e-6)
 
 
+def test_a_check_says_what_makes_its_spectrum(curve: BlockCapacityCurve) -> None:
+    # NTC 2018, tables 3.2.IV and 3.2.V, soil C and topography T2, a_g 1.5 m/s2.
+    site = Site(1.5, spectrum=SiteSpectrum(2.45, 0.32, "C", "T2"))
+    found = displacement_check(curve, LEANING, PUSH, site)
+    share = 1.5 / GRAVITY
+    soil, longer = 1.7 - 0.6 * 2.45 * share, 1.05 * 0.32**-0.33
+    asked = {"F0": 2.45, "TC_star_s": 0.32, "S_S": soil, "S_T": 1.2, "S": 1.2 * soil, "C_C": longer}
+    asked |= {"T_B_s": longer * 0.32 / 3, "T_C_s": longer * 0.32, "T_D_s": 1.6 + 4 * share}
+    assert as_written(found, defaults=False)["spectrum"] == pytest.approx(asked)
+    shown = displacement_checks([replace(analysis(method="curve"), check=found)], None)
+    assert shown is not None
+    facts = dict(shown["checks"][0].facts)
+    words = "S_S 1.475, S_T 1.200, S 1.770, C_C 1.529, T_B 0.163 s, T_C 0.489 s, T_D 2.212 s"
+    assert facts["spectrum at a_g = 1.500 m/s\u00b2"] == words
+    # Of S alone nobody knows what it is made of, and a table has no such parameters.
+    alone = displacement_check(curve, LEANING, PUSH, SITED)
+    assert "S_S" not in as_written(alone, defaults=False)["spectrum"]
+    table = Site(1.5, 1.2, spectrum=SiteSpectrum(period=(0.0, 0.2, 0.5, 2.0), level=(1.8, 4.5, 4.5, 1.1)))
+    assert displacement_check(curve, LEANING, PUSH, table).spectrum is None
+
+
 def test_what_is_missing_is_named(curve: BlockCapacityCurve) -> None:
     assert "[check]" in displacement_check(curve, LEANING, PUSH, None).missing
     assert "[check.spectrum]" in displacement_check(curve, LEANING, PUSH, Site(1.5, 1.2)).missing

@@ -25,8 +25,20 @@ SITE = Spectrum(2.5, 0.5, soil_factor=1.2)
 )
 def test_soils(soil: str, topography: str, ground: float, factor: float, end: float) -> None:
     spectrum = Spectrum(2.5, 0.3, soil, topography)
-    assert spectrum.soil_amplification(ground * GRAVITY) == pytest.approx(factor)
-    assert spectrum.plateau_end == pytest.approx(end)
+    made = spectrum.parameters(ground * GRAVITY)
+    assert (made.soil_factor, made.plateau_end) == pytest.approx((factor, end))
+    # S = S_S S_T, T_C = C_C TC*, T_B = T_C / 3, T_D = 4 a_g/g + 1.6 [3.2.3.2.1].
+    assert made.stratigraphic is not None
+    assert made.topographic == {"T1": 1.0, "T2": 1.2, "T4": 1.4}[topography]
+    assert made.stratigraphic == pytest.approx(factor / made.topographic)
+    assert made.period_factor == pytest.approx(end / 0.3)
+    assert (made.rising_end, made.velocity_end) == pytest.approx((end / 3, 4 * ground + 1.6))
+
+
+def test_a_soil_factor_that_is_given_leaves_the_periods_those_of_rock() -> None:
+    made = SITE.parameters(2.0)
+    assert (made.stratigraphic, made.topographic, made.soil_factor, made.period_factor) == (None, None, 1.2, 1.0)
+    assert (made.rising_end, made.plateau_end) == (0.5 / 3, 0.5)
 
 
 def test_the_branches_of_the_spectrum_meet() -> None:

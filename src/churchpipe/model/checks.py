@@ -78,6 +78,25 @@ class LimitStateCheck:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SpectrumParameters:
+    """What makes the elastic spectrum of the ground at one a_g, by the letters of NTC 2018, 3.2.3.2.1.
+
+    amplification: F0; start: TC*, s; stratigraphic, topographic: S_S and S_T, None where the case gives their product alone;
+    soil_factor: that, S; period_factor: C_C; rising_end, plateau_end, velocity_end: T_B, T_C and T_D, s, where the branches end.
+    """
+
+    amplification: Annotated[float, Quantity(key="F0")]
+    start: Annotated[float, Quantity(key="TC_star_s")]
+    stratigraphic: Annotated[float | None, Quantity(key="S_S")] = None
+    topographic: Annotated[float | None, Quantity(key="S_T")] = None
+    soil_factor: Annotated[float, Quantity(key="S")]
+    period_factor: Annotated[float, Quantity(key="C_C")]
+    rising_end: Annotated[float, Quantity(key="T_B_s")]
+    plateau_end: Annotated[float, Quantity(key="T_C_s")]
+    velocity_end: Annotated[float, Quantity(key="T_D_s")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class DemandCurve:
     """Spectral displacements (n,) and accelerations (n,) that the site asks with a damping."""
 
@@ -94,7 +113,8 @@ class DisplacementCheck(Check):
     a_g_slv_idealised: d0 and capacity of SLV of the two straight lines of the same area. missing: what the case does not say.
     unproved: which steps of the curve are not proved, and what the check makes of them. lost_seat: which joist loses its seat
     first, and where, if one does. halved: what steps half as long make of it. limit_states, demand: by the names SLV and SLC.
-    force_based: the check with q of the mechanism that starts the curve. governs: which one, and why.
+    spectrum: its parameters at a_g, None of a table. force_based: the check with q of the mechanism that starts the curve.
+    governs: which one, and why.
     """
 
     a0: _Acceleration = math.nan
@@ -113,4 +133,5 @@ class DisplacementCheck(Check):
     a_g_slv_idealised: _Acceleration = math.nan
     force_based: SafetyCheck | None = None
     governs: str = ""
+    spectrum: SpectrumParameters | None = None
     demand: dict[str, DemandCurve] = field(default_factory=dict[str, DemandCurve], repr=False)

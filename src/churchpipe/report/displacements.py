@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from churchpipe.io.records import Analysis
-from churchpipe.model.checks import UNRELIABLE, DisplacementCheck
+from churchpipe.model.checks import UNRELIABLE, DisplacementCheck, SpectrumParameters
 from churchpipe.report import colours
 from churchpipe.report.block_curves import curve_label
 from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
@@ -99,12 +99,25 @@ def _facts(check: DisplacementCheck) -> list[tuple[str, str]]:
     of_force = f"a_g,SLV {level(force.a_g_slv)}, \u03b6_E {figure(force.zeta_e, 2)}"
     return [
         *facts,
+        *([(f"spectrum at a_g = {level(check.a_g)}", _spectrum_words(check.spectrum))] if check.spectrum else []),
         ("a_g,SLV", f"{level(check.a_g_slv)}; with e* of the stones {level(check.a_g_slv_stones)}"),
         ("a_g,SLC", f"{level(check.a_g_slc)}; with e* of the stones {level(check.a_g_slc_stones)}"),
         ("\u03b6_E = a_g,SLV / a_g", f"{figure(check.zeta_e, 2)}: {verdict(check)} for a_g = {level(check.a_g)}"),
         (f"the check with q = {force.q:g}", of_force),
         ("a_g,SLV of the idealised curve", level(check.a_g_slv_idealised)),
     ]
+
+
+def _spectrum_words(made: SpectrumParameters) -> str:
+    """Return the parameters of a spectrum by the letters of the code, S_S and S_T where they are known."""
+    factors = ("S_S", made.stratigraphic), ("S_T", made.topographic), ("S", made.soil_factor), ("C_C", made.period_factor)
+    periods = ("T_B", made.rising_end), ("T_C", made.plateau_end), ("T_D", made.velocity_end)
+    return ", ".join(
+        [
+            *(f"{letter} {figure(value, 3)}" for letter, value in factors if value is not None),
+            *(f"{letter} {figure(value, 3)} s" for letter, value in periods),
+        ]
+    )
 
 
 def adrs_svg(check: DisplacementCheck) -> str:
