@@ -120,6 +120,50 @@ def test_nothing_is_cut(page: Page) -> None:
     assert cell.get_attribute("data-heading") == "Load factor"
 
 
+# Both flow rules of a building and of a variant: all columns that a case of stones has as a rule.
+TIED = """
+name = "tied"
+[source]
+generator = "wall"
+length_m = 1.6
+brick_mm = [400, 250, 200]
+courses = 5
+[material.default]
+unit_weight_kN_m3 = 18
+friction = 0.6
+[[load]]
+direction = [1, 0, 0]
+[rigid]
+flow = ["associative", "non-associative"]
+[[variants]]
+name = "a roof on the wall"
+[[variants.add.line_loads]]
+name = "roof"
+wall = "wall"
+dead_kN_m = 3
+"""
+
+
+@pytest.fixture(scope="module")
+def tied(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("tied")
+    (folder / "case.toml").write_text(TIED, encoding="utf-8")
+    return report_of(folder / "case.toml", folder / "run")
+
+
+@pytest.mark.parametrize(("width", "stacked", "beside"), [(1400, False, 15), (1200, False, 15), (900, True, 2), (390, True, 1)])
+def test_load_factors_stand_side_by_side_where_there_is_room(
+    tied: Path, chromium: str, width: int, stacked: bool, beside: int
+) -> None:
+    for page in opened(tied, width, chromium):
+        box = page.locator("#load-factors .scroll")
+        assert ("stacked" in (box.get_attribute("class") or "")) == stacked
+        assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+        assert box.evaluate("(box) => box.scrollWidth <= box.clientWidth + 1")
+        cells = box.locator("tbody tr").last.locator("td")
+        assert len(set(cells.evaluate_all("(cells) => cells.map((cell) => cell.offsetLeft)"))) >= beside
+
+
 @pytest.mark.parametrize("colours", ["light", "dark"])
 @pytest.mark.parametrize("width", [1400, 390])
 def test_a_support_that_settles_and_hostile_names(
