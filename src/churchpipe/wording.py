@@ -1,5 +1,8 @@
 """Numbers as text, and words that follow them."""
 
+from collections.abc import Iterable
+from itertools import groupby
+
 
 def counted(number: int, one: str, several: str = "") -> str:
     """Return a number and what it counts, with its verb where there is one.
@@ -12,6 +15,12 @@ def counted(number: int, one: str, several: str = "") -> str:
         "stones move", after any other number; by default `one` with an s.
     """
     return f"{number} {one if number == 1 else several or one + 's'}"
+
+
+def in_runs(numbers: Iterable[int]) -> str:
+    """Return whole numbers as text, three or more that follow each other by their ends: "1, 2, 4 to 13"."""
+    runs = [[number for _, number in run] for _, run in groupby(enumerate(numbers), lambda one: one[1] - one[0])]
+    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs)
 
 
 def four_figures(value: float) -> str:

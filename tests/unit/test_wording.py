@@ -10,7 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.terminal import results_table
-from churchpipe.wording import counted, four_figures
+from churchpipe.wording import counted, four_figures, in_runs
 from command_line import call
 from records import summary
 from solids import box, on_ground
@@ -30,6 +30,14 @@ CUBE = box((0, 1), (0, 1), (0, 1))
 )
 def test_a_number_and_what_it_counts(number: int, words: tuple[str, ...], said: str) -> None:
     assert counted(number, *words) == said
+
+
+@pytest.mark.parametrize(
+    ("numbers", "said"),
+    [([], ""), ([4], "4"), ([1, 2, 4], "1, 2, 4"), ([*range(1, 14), 20, 22, 23, 24], "1 to 13, 20, 22 to 24")],
+)
+def test_numbers_that_follow_each_other(numbers: list[int], said: str) -> None:
+    assert in_runs(numbers) == said
 
 
 def test_a_drawing_of_one_stone(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from churchpipe.model.placed_loads import Applied
 from churchpipe.report import colours
 from churchpipe.report.table import Row, amount, figure, minus, named_of
 from churchpipe.stones.ring_beams import ring_beams
+from churchpipe.wording import in_runs
 
 # Length of the longest arrow over the size of the building, and most arrows drawn of a load.
 _ARROW, _ARROWS = 0.08, 25
@@ -83,8 +84,8 @@ def _tie_rows(rows: Sequence[Row]) -> list[tuple[list[str], TieForce]]:
             floor = tie.name.rpartition(" ")[0] if tie.governs.endswith(AT_BEARINGS) else str(number)
             alike.setdefault((floor, *_tie_cells(tie)), []).append(tie)
         for (floor, *cells), ties in alike.items():
-            numbers = [tie.name.rpartition(" ")[2] for tie in ties]
-            name = ties[0].name if len(ties) == 1 else f"{floor} {', '.join(numbers)}"
+            numbers = in_runs(int(tie.name.rpartition(" ")[2]) for tie in ties) if len(ties) > 1 else ""
+            name = f"{floor} {numbers}" if numbers else ties[0].name
             found.append(([row.label, name, *cells], ties[0]))
     return found
 
@@ -157,7 +158,7 @@ def gain_table(rows: Sequence[Row], weight: float) -> tuple[list[str], list[list
 
 def _again(row: Row, factor: float) -> str:
     """Return how much a load factor changed in a new analysis, if there was one."""
-    return "" if math.isnan(factor) else minus(f"{factor - row.record.load_factor:+.5f}")
+    return "" if math.isnan(factor) else minus(f"{factor - row.record.load_factor:+z.5f}")
 
 
 def add_applied(plotter: Any, stones: Assemblage, motion: FloatArray, amplitude: float, applied: Applied) -> None:

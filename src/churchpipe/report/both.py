@@ -12,7 +12,7 @@ from churchpipe.model.results import CapacityCurve
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.swept import MESH_SIZE, of_both, setting
 from churchpipe.report.shell_plots import capacity_svg, domain_svg, mesh_svg
-from churchpipe.report.table import Row, figure, friction_text, minus, swept
+from churchpipe.report.table import Row, change, figure, friction_text, minus, swept
 
 
 def question(row: Row) -> tuple[str, ...]:
@@ -36,7 +36,7 @@ def compared(pairs: Sequence[Pair], rows: Sequence[Row]) -> list[list[str]]:
         if blocks and shell:
             cells = [text for row in (blocks, shell) for text in (_words(row), figure(row.value("load_factor"), 4))]
             ends = [
-                "" if pair.ratio is None else minus(f"{100 * (pair.ratio - 1):+.1f} %"),
+                "" if pair.ratio is None else change(pair.ratio - 1),
                 "" if pair.overlap is None else minus(f"{pair.overlap:.2f}"),
             ]
             out.append([", ".join(filter(None, (blocks.load, blocks.variant))), *cells, *ends])

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from churchpipe.io.summary import ContactModels
-from churchpipe.report.table import figure, minus, named_of
+from churchpipe.report.table import change, figure, minus, named_of
 
 
 def contact_model_rows(pairs: Sequence[ContactModels]) -> dict[str, Any] | None:
@@ -17,7 +17,7 @@ def contact_model_rows(pairs: Sequence[ContactModels]) -> dict[str, Any] | None:
             pair.flow,
             figure(pair.corners, 4),
             figure(pair.torsion, 4),
-            minus(f"{100 * pair.difference:+.1f} %"),
+            change(pair.difference),
         ]
         for pair in pairs
     ]

@@ -6,7 +6,7 @@ from typing import Any
 
 from churchpipe.model.names import MODELS, RIGID_BLOCKS, SHELL
 from churchpipe.model.swept import MESH_SIZE, setting
-from churchpipe.report.table import Row, figure, friction_text, minus, swept
+from churchpipe.report.table import Row, change, figure, friction_text, minus, swept
 
 _MODELS = {"rigid": RIGID_BLOCKS, "shell": SHELL}
 
@@ -46,7 +46,7 @@ def _ours(row: Row, published: float) -> list[str]:
     words += [setting(key, value) for key, value in swept(row).items() if key != MESH_SIZE]
     words += [f"friction {friction_text(row)}"] if row.record.swept else []
     words += [row.status] if row.status not in ("optimal", "converged") else []
-    apart = "" if factor is None or math.isinf(factor) else minus(f"{100 * (factor / published - 1):+.1f} %")
+    apart = "" if factor is None or math.isinf(factor) else change(factor / published - 1)
     return [", ".join(word for word in words if word), figure(factor, 4), apart]
 
 

@@ -114,8 +114,8 @@ def overall(rows: Sequence[Row], questions: Sequence[Hashable]) -> dict[str, Any
         sited = any(row.record.check is not None and math.isfinite(row.record.check.a_g) for row in rows)
         words = f"No load of the case has a check: {'; '.join(without)}. The table of the safety check says why."
         return {"satisfied": None, "words": words} if sited else None
-    found = [_lowest([row for row in of_one if row.record.method == "curve"] or of_one) for of_one in asked.values()]
-    lead, failed = _lowest(found), [row for row in found if fails(row)]
+    found = [(_lowest([row for row in of_one if row.record.method == "curve"] or of_one), of_one) for of_one in asked.values()]
+    (lead, alike), failed = min(found, key=lambda one: _zeta(one[0])), [row for row, _ in found if fails(row)]
     of_site = figure(lead.record.check.a_g if lead.record.check else None, 3)
     words = (
         f"the lowest \u03b6_E, the share of the ground acceleration asked for that it withstands, is {figure(_zeta(lead), 2)} "
@@ -128,11 +128,22 @@ def overall(rows: Sequence[Row], questions: Sequence[Hashable]) -> dict[str, Any
     words = f"{told} {words}"
     if lead.record.flow == "associative" and lead.record.status != "unstable":
         words += " It is made of an associative load factor, an upper estimate where joints slide."
+    words += _moving(lead, alike)
     if any(row.of_shell for row in rows):
         words += " The check is of the stones; the shell has none."
     if without:
         words += f" There is no check of: {'; '.join(without)}."
     return {"satisfied": not failed, "words": words}
+
+
+def _moving(lead: Row, alike: Sequence[Row]) -> str:
+    """Return the sentence on what moves in an analysis, "" where none tells; of a capacity curve, whose record does not, what
+    starts to move in the first that does of those that ask the same."""
+    teller = next((row for row in (lead, *alike) if what_moves(row.record)), None)
+    if teller is None:
+        return ""
+    start = "What moves" if teller is lead else f"What starts to move ({teller.label})"
+    return f" {start}, by its share of the motion: {what_moves(teller.record)}."
 
 
 def _lowest(rows: Sequence[Row]) -> Row:

@@ -130,6 +130,11 @@ def minus(text: str) -> str:
     return text.replace("-", "\u2212") if is_number or is_axis else text
 
 
+def change(share: float) -> str:
+    """Return a change as text, in per cent with its sign: "+14.3 %"; what rounds to nothing is "+0.0 %"."""
+    return minus(f"{100 * share:+z.1f} %")
+
+
 def swept(row: Row) -> dict[str, str]:
     """Return the swept settings of a row and their values; friction of the material has a column of its own."""
     alone = not isinstance(row.record.friction, dict)

@@ -132,7 +132,7 @@ def _ranked(one: SampledAnalysis) -> list[tuple[str, float]]:
 
 def _matters(one: SampledAnalysis) -> str:
     found = [(key, value) for key, value in _ranked(one) if abs(value) >= _NOISE]
-    return ", ".join(f"{heading(key).partition(',')[0]} {minus(f'{value:+.2f}')}" for key, value in found)
+    return ", ".join(f"{heading(key).partition(',')[0]} {minus(f'{value:+z.2f}')}" for key, value in found)
 
 
 def _demands(one: SampledAnalysis) -> list[tuple[str, Asked]]:

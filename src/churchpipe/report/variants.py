@@ -14,7 +14,7 @@ from churchpipe.model.swept import setting
 from churchpipe.report import colours
 from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
 from churchpipe.report.safety import safety_index, what_moves
-from churchpipe.report.table import Row, figure, minus
+from churchpipe.report.table import Row, change, figure
 
 AS_IS = "as it is"
 # Letters for which a line below the chart has room, and those of the narrowest column of them.
@@ -82,7 +82,7 @@ def _factor(row: Row | None, asis: Row | None, name: str) -> tuple[str, str]:
     # What bears less than nothing has no shares.
     if name == AS_IS or before is None or not 0 < before < math.inf or not math.isfinite(value):
         return figure(value, 4), ""
-    return figure(value, 4), minus(f"{100 * (value / before - 1):+.1f} %")
+    return figure(value, 4), change(value / before - 1)
 
 
 def _moves(rows: Iterable[Row]) -> str:

@@ -53,6 +53,9 @@ def test_joists_that_carry_alike_have_one_row(tmp_path: Path) -> None:
     shown, whole, _ = tables(tmp_path, tie_forces=joists + ties(np.array([1.0, 1.0])))
     assert [row[1] for row in shown + whole] == ["tie floor 1, 2, 4", "tie floor 3", "tie floor 5", "tie 0", "tie 1"]
     assert [row[4] for row in shown + whole] == ["1.00", "0.20", "0.40", "1.00", "1.00"]
+    slid = tuple(replace(joists[0], name=f"tie floor {number}") for number in (*range(1, 9), 11, 12, 13))
+    shown, whole, _ = tables(tmp_path, tie_forces=slid + ties(np.array([1.0, 1.0])))
+    assert [row[1] for row in shown + whole] == ["tie floor 1 to 8, 11 to 13", "tie 0", "tie 1"]
 
 
 def test_no_tie_at_its_strength_is_hidden(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from rich.console import Console
 
 import churchpipe as cp
 from churchpipe import generators
-from churchpipe.mechanism import moving_stones, reference_speed, stone_of_point, stone_speed
+from churchpipe.mechanism import Part, moving_stones, reference_speed, stone_of_point, stone_speed
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.checks import DisplacementCheck, SafetyCheck
 from churchpipe.model.polyhedra import face_normals
@@ -688,6 +688,21 @@ def test_of_a_load_the_check_by_displacements_governs_and_of_several_loads_the_l
     assert not found["satisfied"]
     assert found["words"].startswith("Under \u2212y the building does not bear")
     assert overall([Row(analysis())], ["+x"]) is None
+
+
+def test_the_verdict_names_what_moves() -> None:
+    south, east = (Part(name, 1e4, 1.0, 1.0, motion) for name, motion in (("south storey 2", 0.93), ("east", 0.07)))
+    check = SafetyCheck(zeta_e=0.8, a_g=1.5, satisfied=False)
+    limit = Row(replace(analysis(load="-y"), check=check, parts=(south, east)))
+    found = overall([limit], ["-y"])
+    assert found is not None
+    assert "What moves, by its share of the motion: south storey 2 93 %, east 7 %." in found["words"]
+    # The record of a curve does not say it; what starts the curve is the mechanism of the limit analysis beside it.
+    curve = Row(replace(analysis(load="-y", method="curve"), check=DisplacementCheck(zeta_e=0.9, a_g=1.5, satisfied=False)))
+    found = overall([limit, curve], ["-y", "-y"])
+    assert found is not None
+    assert f"is 0.90 ({curve.label})" in found["words"]
+    assert f"What starts to move ({limit.label}), by its share of the motion: south storey 2 93 %, east 7 %." in found["words"]
 
 
 def test_without_check_and_parts_there_are_no_such_sections(tmp_path: Path) -> None:

@@ -54,6 +54,13 @@ def test_the_check_by_displacements_governs_where_a_variant_has_a_curve() -> Non
     assert section["headings"] == ["rigid blocks, associative"]
 
 
+def test_a_change_that_rounds_to_nothing_is_no_loss() -> None:
+    changed = [replace(one, load_factor=0.19999) if one.name == "a ties" else one for one in ANALYSES]
+    section = variants_section(VARIANTS, changed, "base")
+    assert section is not None
+    assert section["rows"][1]["factors"][0] == ("0.2000", "+0.0 %")
+
+
 def test_each_load_has_the_building_as_it_is_and_its_variants() -> None:
     section = variants_section(VARIANTS, ANALYSES, "base")
     assert section is not None
