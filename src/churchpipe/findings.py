@@ -44,7 +44,7 @@ CODES: Final = {
     "W24": "outlines were taken for stones",
     "E25": "an outline that crosses itself or encloses nothing",
     "W25": "an outline that is not closed was closed, or lines of a net that miss each other were joined",
-    "E26": "joints between the stones that nobody named",
+    "E26": "joints between the stones that nobody named, or that cannot be closed",
     "W26": "stones were grown to meet in the joints",
     "W27": "curved sides were taken as chords",
     "E28": "a whole wall in which no stones can be laid",

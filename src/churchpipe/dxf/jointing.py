@@ -9,8 +9,10 @@ from churchpipe.dxf.reading import JointMode, Mortar
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding
 from churchpipe.model.arrays import FloatArray
+from churchpipe.model.assemblage import Assemblage
 from churchpipe.stones.contact_tolerances import HAIRLINE
-from churchpipe.stones.mortar import close_joints, open_joints
+from churchpipe.stones.mortar import Solid, close_joints, open_joints
+from churchpipe.stones.self_crossing import self_crossing_stones
 from churchpipe.wording import counted
 
 # Open joints are a matter of the whole drawing when there are this many for each stone.
@@ -63,7 +65,22 @@ def jointed(
     grown = [
         replace(stone, points=points, faces=tuple(faces)) for stone, (points, faces) in zip(stones, closed.solids, strict=True)
     ]
+    findings += _crossed(stones, closed.solids, unit) if not any(f.severity == "error" for f in findings) else []
     return grown, share if mortar == "ignored" else np.ones(len(stones))
+
+
+def _crossed(stones: Sequence[Stone], grown: Sequence[Solid], unit: float) -> list[Finding]:
+    """Return what is to be said of stones whose surface crosses itself once they are grown, and did not as drawn."""
+
+    def crossing(solids: Sequence[Solid]) -> list[int]:
+        lengths = [(unit * points, faces) for points, faces in solids]
+        return [index for index, _ in self_crossing_stones(Assemblage.from_polyhedra(lengths, 1.0))]
+
+    found = [stones[index] for index in crossing(grown)]
+    drawn = crossing([(stone.points, stone.faces) for stone in found]) if found else []
+    what = "grown into its mortar, the surface of this stone crosses itself, which it does not as drawn"
+    remedy = "Pass --joint-mode keep, which leaves stones as drawn, or draw it up to the middle of its joints."
+    return [stone.place.finding("E26", what, remedy=remedy) for index, stone in enumerate(found) if index not in drawn]
 
 
 def unnamed_joints(stones: Sequence[Stone], unit: float) -> list[Finding]:

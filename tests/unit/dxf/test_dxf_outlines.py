@@ -14,6 +14,7 @@ from churchpipe.dxf.reader import Drawing, read_drawing
 from churchpipe.findings import Findings, FindingsError
 from churchpipe.geometry.nets import without_idle_corners
 from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.self_crossing import self_crossing_stones
 from churchpipe.stones.soundness import check_soundness
 
 BRICK = [(0.0, 0.0), (250.0, 0.0), (250.0, 65.0), (0.0, 65.0)]
@@ -491,6 +492,30 @@ def test_joints_left_open_are_named_with_their_width(tmp_path: Path) -> None:
     text = str(findings_of(drawn(tmp_path / "a.dxf", lambda space: course(space, 10.0))))
     assert "E26 a.dxf: 3 gaps between the stones, 0.01 m: expected" in text
     assert "Pass --joint 10mm" in text
+
+
+def springing(space: Any) -> None:
+    """The block beside the springing of an arch, its curved side in many chords, and two straight voussoirs; cm."""
+    arc = np.pi / 32 * np.arange(1, 3)
+    side = [(300 - 95.4987, 150.5), *zip(300 - 95.5 * np.cos(arc), 150 + 95.5 * np.sin(arc), strict=True), (300 - 92.3038, 174.5)]
+    space.add_lwpolyline([(200.5, 174.5), (200.5, 150.5), *side], close=True)
+    for first in (0.0, np.pi / 9):
+        last = first + np.pi / 9
+        ends = (60, first + 0.5 / 60), (95, first + 0.5 / 95), (95, last - 0.5 / 95), (60, last - 0.5 / 60)
+        space.add_lwpolyline([(300 - r * np.cos(angle), 150 + r * np.sin(angle)) for r, angle in ends], close=True)
+
+
+def test_a_stone_that_crosses_itself_once_it_is_grown_is_not_blamed_on_the_drawing(tmp_path: Path) -> None:
+    path = drawn(tmp_path / "a.dxf", springing, unit=5, ground=False)
+    options = {"thickness": 0.6, "joint": 0.01, "support": "base"}
+    found = findings_of(path, **options)
+    (error,) = found.errors
+    # The stone is named by its place in the drawing, and the remedy is one.
+    assert error.place == "LWPOLYLINE #2F at (2.005, 1.745, 0.00) m"
+    assert f"E26 a.dxf: {error.place}: grown into its mortar, the surface of this stone crosses itself" in str(found)
+    assert "Pass --joint-mode keep" in error.remedy
+    kept = read(path, **options, joint_mode="keep")
+    assert not self_crossing_stones(kept.stones)
 
 
 def test_stones_grow_until_they_meet_in_the_middle_of_the_joint(tmp_path: Path) -> None:
