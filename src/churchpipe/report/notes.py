@@ -37,7 +37,7 @@ def status_note(stones: Assemblage, row: Row) -> str:
         case "not-converged" if row.state and math.isnan(row.state.load_factor):
             return f"There is no load factor without dilatancy.{message}"
         case "not-converged":
-            return "The iteration did not reach a certified state without dilatancy. " + _unfinished(row)
+            return f"The iteration did not reach a certified state without dilatancy. {_unfinished(row)}{message}"
         case "failed":
             return f"No certified answer was found, and an uncertified number would be worse than none. {_missing_proof(row)}"
     told = row.record.message if row.record.method == "curve" else ""

@@ -147,6 +147,8 @@ def limit_analysis(
             balance, strength, state, partial(shift_about_pressure, contacts, points), options, solver, progress
         )
     forces = state.forces if parts is None else np.asarray(parts.shares.T @ state.forces)
+    if state.status == "not-converged" and np.isfinite(state.load_factor):
+        state = replace(state, message=f"{state.message}; {_advice(state)}")
     return replace(state, forces=forces, seconds=perf_counter() - begin)
 
 
@@ -224,6 +226,15 @@ def analysed(
     if state.status != "optimal":
         return replace(state, flow=flow)
     return sliding_analysis(balance, strength, state, options, solve, progress, names)
+
+
+def _advice(state: LimitState) -> str:
+    """Return what a person can do with a load factor without dilatancy that is not certified."""
+    least = float(np.nanmin([state.load_factor, state.interval[0]]))
+    return (
+        f"so no load factor is certified: take no more than {least:.4f}, the least found whose forces fit this motion as nearly; "
+        "a somewhat smaller friction, with which the load factor is smaller as a rule, may have one that is certified"
+    )
 
 
 def _reporting(solve: Solve, what: str, progress: Progress | None) -> Solve:

@@ -113,7 +113,8 @@ def _where(balance: Equilibrium, strength: Strength, state: CoulombState | None,
     worst = int(of_joint.argmax())
     point = int(np.argmax(joint == worst))
     at = " and ".join(str(names[body]) for body in wrenches.bodies[wrenches.pointer[point] : wrenches.pointer[point + 1]])
-    return f"; {100 * of_joint[worst] / max(float(shares.sum()), 1e-300):.0f} % of it at a joint of {at}"
+    share = of_joint[worst] / max(float(shares.sum()), 1e-300)
+    return f"; {100 * share:.0f} % of it at a joint of {at}: look whether it is as built"
 
 
 def nothing_found(associative: LimitState) -> LimitState:

@@ -366,7 +366,10 @@ def test_non_associative_result_is_explained(page: Page) -> None:
 def test_not_converged_gives_the_range_of_the_last_steps(tmp_path: Path) -> None:
     history = tuple(Iteration(value, 1e-2) for value in [0.5] + [0.21, 0.24] * 5)
     state = state_of(tower(), flow="non-associative", status="not-converged", load_factor=0.225, history=history)
+    state = replace(state, message="most of the gap at a joint of A and B; what helps")
     page = Page(report(tmp_path, [(record_of(state), state)]))
+    # Where it lies, and what helps, as in the terminal.
+    assert "In detail: most of the gap at a joint of A and B; what helps." in page.text
     assert "Over its last 10 steps the load factor ranged from 0.2100 to 0.2400." in page.text
 
 

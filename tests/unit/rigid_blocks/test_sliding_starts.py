@@ -1,5 +1,6 @@
 """Where the search without dilatancy begins from forces that carry nothing, and where no start leads anywhere."""
 
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -90,6 +91,26 @@ def test_rounds_of_friction_are_told_in_words(rounds: int, told: str, monkeypatc
     assert state.status == ("converged" if rounds > 2 else "not-converged")
     # What is wrong stands first.
     assert state.message.split("; ")[-1 if rounds > 2 else 0] == told
+
+
+def test_what_is_not_certified_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    stones, push = on_ground(*WALL), LoadCase((1, 1, 0))
+    contacts = find_contacts(stones)
+    certified = limit_analysis(stones, contacts, push, 0.6, flow="non-associative")
+    assert "certified" not in certified.message
+    # No state has so small a gap.
+    monkeypatch.setattr("churchpipe.rigid_blocks.sliding_state.BIPOTENTIAL_GAP", 1e-30)
+    state = limit_analysis(stones, contacts, push, 0.6, flow="non-associative")
+    assert state.status == "not-converged"
+    assert re.search(
+        r"% of it at a joint of \w+ and \w+: look whether it is as built; so no load factor is certified", state.message
+    )
+    least = min(state.load_factor, state.interval[0])
+    assert f"take no more than {least:.4f}, the least found" in state.message
+    assert "a somewhat smaller friction" in state.message
+    # What is said to help does: with less friction it is smaller.
+    monkeypatch.undo()
+    assert limit_analysis(stones, contacts, push, 0.55, flow="non-associative").load_factor < least
 
 
 def test_where_no_start_leads_anywhere_the_associative_forces_are_told() -> None:
