@@ -28,9 +28,8 @@ def test_soils(soil: str, topography: str, ground: float, factor: float, end: fl
     made = spectrum.parameters(ground * GRAVITY)
     assert (made.soil_factor, made.plateau_end) == pytest.approx((factor, end))
     # S = S_S S_T, T_C = C_C TC*, T_B = T_C / 3, T_D = 4 a_g/g + 1.6 [3.2.3.2.1].
-    assert made.stratigraphic is not None
-    assert made.topographic == {"T1": 1.0, "T2": 1.2, "T4": 1.4}[topography]
-    assert made.stratigraphic == pytest.approx(factor / made.topographic)
+    share = {"T1": 1.0, "T2": 1.2, "T4": 1.4}[topography]
+    assert (made.stratigraphic, made.topographic) == pytest.approx((factor / share, share))
     assert made.period_factor == pytest.approx(end / 0.3)
     assert (made.rising_end, made.velocity_end) == pytest.approx((end / 3, 4 * ground + 1.6))
 
