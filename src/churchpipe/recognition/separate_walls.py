@@ -13,7 +13,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import PlaneChart
 from churchpipe.recognition.elevations import elevations, sections
 from churchpipe.recognition.stone_walls import StoneWall, stretches
-from churchpipe.recognition.wall_parts import junction_spans
+from churchpipe.recognition.wall_parts import junction_boxes
 from churchpipe.recognition.wall_planes import LEAST_STONES
 
 # Coordinates of elevations are rounded to this, m, where they are united.
@@ -50,16 +50,18 @@ def separate_walls(stones: Assemblage, walls: Sequence[StoneWall], contact_gap: 
 def filled(stones: Assemblage, wall: StoneWall, walls: Sequence[StoneWall], contact_gap: float) -> Polygons:
     """Return the elevations of a wall with the sections of all other stones with its plane stretches, within its extent.
 
-    In a junction the wall is as high as its own stones in it or beside it. What is higher there belongs to the crossing wall.
+    In a junction the wall is as high as its own stones in it or beside it. What is higher there belongs to the crossing wall, as
+    far as that reaches: below it another one may cross, as a thicker lower storey does.
     """
     others = np.setdiff1d(np.flatnonzero(~stones.fixed), wall.stones)
     _, bottom, _, top = total_extent(wall.elevations)
     alone: list[FloatArray] = []
-    for start, stop in junction_spans(wall, walls):
+    for start, foot, stop, head in junction_boxes(wall, walls):
         near = touching(wall.elevations, boxes(np.array([[start - contact_gap, bottom, stop + contact_gap, top]]))[0])
         if near.any():
             _, low, _, high = total_extent(wall.elevations[near])
-            alone += [np.array([start, bottom - 1.0, stop, low]), np.array([start, high, stop, top + 1.0])]
+            alone += [np.array([start, foot, stop, low])] if foot < low else []
+            alone += [np.array([start, high, stop, head])] if high < head else []
     found = [wall.elevations]
     for stretch in stretches(wall):
         window: Polygon = boxes(np.array([[stretch.low, bottom, stretch.high, top]]))[0]

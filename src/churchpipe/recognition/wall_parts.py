@@ -35,7 +35,14 @@ _Border = tuple[int | None, int | None, int, tuple[float, float]]
 
 def junction_spans(wall: StoneWall, walls: Sequence[StoneWall]) -> list[tuple[float, float]]:
     """Return s of the two faces of each wall that crosses, or ends at, a wall at some height of both, m."""
-    found: list[tuple[float, float]] = []
+    return [(start, stop) for start, _, stop, _ in junction_boxes(wall, walls)]
+
+
+def junction_boxes(wall: StoneWall, walls: Sequence[StoneWall]) -> list[tuple[float, float, float, float]]:
+    """Return s of the two faces of each wall that crosses, or ends at, a wall, and t of its lowest and highest point in the chart
+    of that: s, t, s, t in m."""
+    found: list[tuple[float, float, float, float]] = []
+    base = base_level(wall.chart)
     low, high = _heights(wall)
     beside = [other for other in walls if _heights(other)[0] < high - TOUCH and _heights(other)[1] > low + TOUCH]
     for own in stretches(wall):
@@ -50,7 +57,8 @@ def junction_spans(wall: StoneWall, walls: Sequence[StoneWall]) -> list[tuple[fl
                 reach = float((own.chart.origin + centre * own.chart.s_axis - cross.chart.origin) @ cross.chart.s_axis)
                 meets = cross.low - wall.thickness < reach < cross.high + wall.thickness
                 if meets and stop > own.low + TOUCH and start < own.high - TOUCH:
-                    found.append((start, stop))
+                    bottom, top = _heights(other)
+                    found.append((start, bottom - base, stop, top - base))
     return found
 
 

@@ -8,11 +8,13 @@ import pytest
 
 from churchpipe.config.shell_table import shell_table
 from churchpipe.errors import InputError
-from churchpipe.geometry.planar import common, extent, polygon
+from churchpipe.generators import house
+from churchpipe.geometry.planar import area, common, extent, polygon
 from churchpipe.match import match_models
 from churchpipe.meshes.reader import read_stones
 from churchpipe.recognition.panels import fit_panels
 from churchpipe.shell_mesh.shell import derive_shell
+from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 
 
@@ -103,3 +105,23 @@ def test_why_there_is_no_shell_says_where(tmp_path, monkeypatch):
     monkeypatch.setattr("churchpipe.config.shell_table.fit_panels", refuse)
     note = shell_table(drawn(tmp_path), {"default": False}).note
     assert note.startswith("No shell: wall WALL: opening door: lies beside the wall; the rigid blocks stand alone.")
+
+
+def test_walls_are_whole_beside_walls_that_get_thinner():
+    # The upper storey crosses the gables beside its thicker lower one: the foot of the gables goes on to the far face of that.
+    storeys = [{"above": 1.5, "thickness": 0.4}]
+    walls = [
+        {"name": "south", "start": (0, 0), "end": (4, 0), "toward": "+y", "storeys": storeys},
+        {"name": "north", "start": (0, 3), "end": (4, 3), "toward": "-y", "storeys": storeys},
+        {"name": "west", "start": (0, 0), "end": (0, 3), "toward": "+x"},
+        {"name": "east", "start": (4, 0), "end": (4, 3), "toward": "-x"},
+    ]
+    building = house(course=0.3, stone_length=0.8, height=3.0, thickness=0.5, walls=walls)
+    stones = derive_blocks(building)
+    fitted = fit_panels(stones).building()
+    meant = {panel.name: polygon(panel.outline) for panel in building.panels}
+    found = {panel.name: polygon(panel.outline) for panel in fitted.panels}
+    assert found.keys() == meant.keys()
+    for name, outline in found.items():
+        assert area(common(outline, meant[name])) == pytest.approx(max(area(outline), area(meant[name])))
+    assert match_models(stones, find_contacts(stones), derive_shell(fitted, 0.5)).passed
