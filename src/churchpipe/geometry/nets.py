@@ -1,11 +1,12 @@
 """Lines in a plane: the areas that they enclose, and outlines without superfluous corners."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
 
+from churchpipe.geometry.places import BENT, doubtful, forth, gathered, scatter_of, turns
 from churchpipe.geometry.planar import WITHIN, Region
 from churchpipe.model.arrays import FloatArray
 
@@ -21,8 +22,6 @@ ROUNDS = 3
 MORTAR = 10.0
 # An open outline that shares less than this part with all areas is a stone of its own.
 HIDDEN = 0.1
-# A line that turns by less than this (rad) at each of its points is curved: it is no outline that lacks its last side.
-BENT = np.radians(30.0)
 # A corner closer to the line through its neighbours than this share of the outline's size is superfluous.
 STRAIGHT = 1e-6
 
@@ -34,7 +33,8 @@ class Net:
     meshes: corners (n, 2) of each area, with the index of the line that covers most of its longest side. alone: indices of the
     lines that meet no other, or that close over a place where no area is. loose: indices of the lines with a free end. borders:
     indices of the closed outlines on which lines end. mended: of lines with an end that missed the next line, or ran past it: by
-    how much at most.
+    how much at most. doubtful: of lines with a side so short that others near it may have been meant to end at either end of
+    it: by how much these miss each other.
     """
 
     meshes: list[tuple[int, FloatArray]]
@@ -42,6 +42,7 @@ class Net:
     loose: list[int]
     borders: list[int]
     mended: dict[int, float]
+    doubtful: dict[int, float] = field(default_factory=dict[int, float])
 
 
 def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
@@ -51,12 +52,16 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     count = len(lines)
     median = float(np.median([shapely.LineString(line).length for line in lines]))
     reach, slip = SNAP * median, SLIP * median
-    mended: dict[int, float] = {}
+    meant = lines
+    lines, missed = _reaching(lines, outlines, reach, slip)
+    scatter = scatter_of(meant, lines, outlines, reach, slip)
     for _ in range(ROUNDS):
+        lines, moved = gathered(lines, outlines, reach, slip, scatter.spread)
         lines, missed = _reaching(lines, outlines, reach, slip)
-        mended |= {k: max(gap, mended.get(k, 0.0)) for k, gap in missed.items()}
-        if not missed:
+        if not missed and moved <= STRAIGHT * median:
             break
+    by = {k: float(np.linalg.norm(a - b, axis=1).max()) for k, (a, b) in enumerate(zip(lines, meant, strict=True))}
+    mended = {k: most for k, most in by.items() if most > STRAIGHT * median}
     drawn = [*map(shapely.LineString, lines), *map(shapely.LinearRing, outlines)]
     ends = shapely.points(np.concatenate([line[[0, -1]] for line in lines]))
     own = np.repeat(np.arange(count), 2)
@@ -72,8 +77,9 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     if beyond:
         net = _meshed(lines, drawn, sorted((met | crossing) - beyond), reach, slip)
     unused = [k for k in range(count) if k in beyond or k not in met | crossing]
+    short = {k: by for k, by in doubtful(meant, scatter, slip).items() if k not in unused}
     told = {k: max(mended.get(k, 0.0), net.mended.get(k, 0.0)) for k in mended | net.mended}
-    return replace(net, alone=[*net.alone, *unused], mended=told)
+    return replace(net, alone=[*net.alone, *unused], mended=told, doubtful=short)
 
 
 def _reaching(
@@ -84,7 +90,7 @@ def _reaching(
     """
     drawn = [*(_lengthened(line, reach) for line in lines), *map(shapely.LinearRing, outlines)]
     behind = _short(lines, outlines, reach, slip)
-    short, along = list(behind), {(k, last): _forth(lines[k], last) for k, last in behind}
+    short, along = list(behind), {(k, last): forth(lines[k], last) for k, last in behind}
     ahead = [shapely.LineString([lines[k][last], lines[k][last] + slip * along[k, last]]) for k, last in short]
     owner = [*range(len(drawn)), *(k for k, _ in short)]
     targets = [*drawn, *ahead]
@@ -113,7 +119,7 @@ def _joined(
 ) -> tuple[list[FloatArray], dict[int, float]]:
     """Return lines whose straight ends that still meet nothing, since they pass by the end of another line, are moved to it."""
     ends = np.concatenate([line[[0, -1]] for line in lines])
-    ways = np.array([_forth(line, end) for line in lines for end in (0, -1)])
+    ways = np.array([forth(line, end) for line in lines for end in (0, -1)])
     for (k, last), past in _short(lines, outlines, reach, slip).items():
         apart = np.linalg.norm(ends - lines[k][last], axis=1)
         # Two ends that point at each other are of sides of two stones in one line, with mortar between them, unless they are
@@ -139,7 +145,7 @@ def _short(
     tree = shapely.STRtree(drawn)
     out: dict[tuple[int, int], float] = {}
     for k, last in ((k, last) for k, line in enumerate(lines) if len(line) == 2 for last in (0, 1)):
-        end, along = lines[k][last], _forth(lines[k], last)
+        end, along = lines[k][last], forth(lines[k], last)
         tail = shapely.LineString([end - slip * along, end + reach * along])
         met = [tail & drawn[other] for other in tree.query(tail, predicate="intersects").tolist() if other != k]
         gap = min((float(shapely.distance(shapely.Point(end), place)) for place in met), default=np.inf)
@@ -178,7 +184,7 @@ def _meshed(
     for k in chosen:
         # Drawn along its neighbours, an outline that lacks its last side is hidden by theirs: it closes over an empty place. So
         # does an arch over its opening, but it has no corners.
-        if k < count and len(lines[k]) > 3 and _sharpest(lines[k]) > BENT:
+        if k < count and len(lines[k]) > 3 and turns(lines[k]).max() > BENT:
             own = shapely.Polygon(lines[k])
             if own.is_valid and own.area > reach * own.length and own.intersection(cells).area < HIDDEN * own.area:
                 alone.append(k)
@@ -255,18 +261,5 @@ def _lengthened(points: FloatArray, reach: float) -> shapely.LineString:
     """Return a line drawn on at both ends, so that it crosses what it was meant to end on."""
     out = points.copy()
     for end in (0, -1):
-        out[end] += reach * _forth(points, end)
+        out[end] += reach * forth(points, end)
     return shapely.LineString(out)
-
-
-def _forth(line: FloatArray, end: int) -> FloatArray:
-    """Return the direction (2,) in which a line (n, 2) goes on at its first (0) or its last end (-1, or 1 of two points)."""
-    side = line[0] - line[1] if end == 0 else line[-1] - line[-2]
-    return side / np.linalg.norm(side)
-
-
-def _sharpest(line: FloatArray) -> float:
-    """Return the greatest angle by which a line (n, 2) turns, rad."""
-    side = np.diff(line, axis=0)
-    cross = side[:-1, 0] * side[1:, 1] - side[:-1, 1] * side[1:, 0]
-    return float(np.abs(np.arctan2(cross, np.einsum("nc,nc->n", side[:-1], side[1:]))).max())

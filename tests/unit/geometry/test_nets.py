@@ -5,7 +5,7 @@ import pytest
 import shapely
 from scipy.spatial import Voronoi
 
-from churchpipe.geometry.nets import net_of
+from churchpipe.geometry.nets import net_of, without_idle_corners
 from churchpipe.model.arrays import FloatArray
 
 LENGTH, HEIGHT, STONES = 2.5, 1.6, 18
@@ -53,6 +53,57 @@ def test_ends_that_miss_each_other_enclose_the_stones_that_were_meant(past: floa
     for stone in map(shapely.Polygon, outlines):
         assert max(stone.intersection(mesh).area / stone.union(mesh).area for mesh in meshes) > 0.95
     assert bool(net.mended) == (past > 0 or off > 0)
+
+
+@pytest.mark.parametrize(("past", "off"), [(0.005, 0.0), (0.0, 0.0003), (0.0, 0.001), (0.0, 0.002), (0.003, 0.001)])
+@pytest.mark.parametrize("seed", range(6))
+def test_lines_that_miss_one_place_sideways_leave_no_kink(past: float, off: float, seed: int) -> None:
+    # A step in the joint of two stones would hold them like a key.
+    outlines = masonry(seed)
+    stones = [shapely.Polygon(outline) for outline in outlines]
+    net = net_of(drawn(outlines, past, off, seed), [])
+    for _, corners in net.meshes:
+        meant = max(range(STONES), key=lambda k: stones[k].intersection(shapely.Polygon(corners)).area)
+        assert len(without_idle_corners(corners)) == len(outlines[meant])
+    assert max(net.mended.values()) < 0.03
+
+
+def test_an_end_on_the_middle_of_a_line_does_not_bend_it() -> None:
+    rng = np.random.default_rng(3)
+    beds = [[[0.0, z / 10], [2.5, z / 10]] for z in range(5)]
+    heads = [
+        [[x, z / 10], [x, (z + 1) / 10]]
+        for z in range(4)
+        for x in sorted({0.0, 2.5, *(np.arange(0, 2.5, 0.25) + 0.125 * (z % 2))})
+    ]
+    net = net_of([np.array(side) + rng.uniform(-0.002, 0.002, (2, 2)) for side in [*beds, *heads]], [])
+    assert [len(without_idle_corners(corners)) for _, corners in net.meshes] == [4] * (len(heads) - 4)
+
+
+def test_pieces_of_a_bed_that_point_at_each_other_beside_no_head_are_joined() -> None:
+    # 500 bricks of 250 x 65 mm; where no head joint ends, only the two pieces meet.
+    rng = np.random.default_rng(0)
+    beds = [[[x / 4, z * 0.065], [(x + 1) / 4, z * 0.065]] for z in range(26) for x in range(20)]
+    marks = [sorted({0.0, 5.0, *(np.arange(0, 5, 0.25) + 0.125 * (z % 2))}) for z in range(25)]
+    heads = [[[x, z * 0.065], [x, (z + 1) * 0.065]] for z in range(25) for x in marks[z]]
+    net = net_of([np.array(side) + rng.uniform(-0.001, 0.001, (2, 2)) for side in [*beds, *heads]], [])
+    assert len(net.meshes) == sum(len(row) - 1 for row in marks)
+    assert not net.loose
+    assert not net.alone
+
+
+def test_a_side_shorter_than_lines_miss_each_other_is_doubtful() -> None:
+    # Four stones about a side of 8 mm, between whose ends nobody can tell when one falls short by 5 mm.
+    cross = [[[-1, 0.6], [-0.004, 0]], [[-1, -0.6], [-0.004, 0]], [[0.004, 0], [1, 0.6]], [[0.004, 0], [1, -0.6]]]
+    frame = [[[-1, -0.6], [1, -0.6]], [[1, -0.6], [1, 0.6]], [[1, 0.6], [-1, 0.6]], [[-1, 0.6], [-1, -0.6]]]
+    side = [[[-0.004, 0], [0.004, 0]]]
+    exact = [np.array(line, dtype=float) for line in [*side, *cross, *frame]]
+    assert not net_of(exact, []).doubtful
+    exact[1][1] -= [0.0043, -0.0026]
+    net = net_of(exact, [])
+    assert list(net.doubtful) == [0]
+    # The distance of the end from the other lines, of which the side is the nearest.
+    assert net.doubtful[0] == pytest.approx(0.0045, rel=0.05)
 
 
 @pytest.mark.parametrize("off", [0.0, 0.0003, 0.001])
