@@ -20,11 +20,16 @@ _LONGEST: Final = 0.5
 
 def coarse(source: Source, size: float) -> list[Finding]:
     """Return a finding where coordinates stand far apart, as they were rounded so far from the origin; size: of a stone."""
-    number = np.unique(np.abs(np.concatenate([body.points for body in source.bodies])))
-    number = number[np.isfinite(number) & (number > 0)]
+    points = np.concatenate([body.points for body in source.bodies])
+    points = points[np.isfinite(points).all(axis=1)]
+    number = np.unique(np.abs(points))
+    number = number[number > 0]
     if not len(number):
         return []
-    for step, what in (_single(number), _digits(number, COARSE[0] * size)):
+    # Round numbers of a small model, such as .12 and .065, look like rounded ones of a model that lies further away than it is
+    # long.
+    away = bool((np.abs(points).min(axis=0) > np.ptp(points, axis=0)).any())
+    for step, what in (_single(number), _digits(number, COARSE[0] * size) if away else (0.0, "")):
         if step > COARSE[0] * size:
             found = f"the coordinates are numbers of {what}, which are {{}} apart so far from the origin"
             code = "E47" if step > COARSE[1] * size else "W47"

@@ -91,6 +91,18 @@ def test_few_digits_far_from_the_origin_are_told(write: Callable[..., Path], dig
         assert "near the origin" in str(findings)
 
 
+def test_round_bricks_near_the_origin_are_not_taken_for_rounded_ones(tmp_path: Path) -> None:
+    # .12, .25 and .26 m have two digits, and .065 m is finer than their steps.
+    bricks = [
+        box((0, 0.25), (0, 0.12), (0, 0.065)),
+        box((0.26, 0.51), (0, 0.12), (0, 0.065)),
+        box((0, 0.25), (0, 0.12), (0.065, 0.13)),
+    ]
+    path = write_obj(Assemblage.from_polyhedra(bricks, 1.0), tmp_path / "bricks.obj", digits=".9g")
+    _, findings = cp.read_stones(path, joint=0.01, support="base", unit_weight=18e3)
+    assert not [found for found in findings.codes if found.endswith("47")]
+
+
 @pytest.mark.parametrize("digits", [".9g", ".6f"])
 def test_numbers_of_32_bits_written_as_text_are_told(digits: str, tmp_path: Path) -> None:
     single = [(points.astype(np.float32).astype(float), faces) for points, faces in far_away(4e5)]
