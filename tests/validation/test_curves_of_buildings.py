@@ -49,7 +49,7 @@ def test_the_curve_of_the_church_starts_without_dilatancy_and_does_not_depend_on
 @pytest.mark.slow("docs/capacity_curve.md: church, half a metre along x and y, and steps of half the length")
 @pytest.mark.parametrize("pushed", ["+x", "-x", "+y"])
 def test_the_curves_of_the_church_do_not_depend_on_the_step_until_stones_fall_together(pushed: str) -> None:
-    whole, half = curve(5, "church", 14, 0.04, pushed), curve(5, "church", 28, 0.02, pushed)
+    whole, half = curve(5, "church", 15, 0.04, pushed), curve(5, "church", 30, 0.02, pushed)
     # Single light stones fall on the way.
     ends = [float(np.interp(0.5, each.largest, each.displacement)) for each in (whole, half)]
     assert min(whole.largest[-1], half.largest[-1]) > 0.5
