@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import shapely
 
-from churchpipe.geometry.places import BENT, doubtful, forth, gathered, scatter_of, turns
+from churchpipe.geometry.places import BENT, Lines, doubtful, forth, gathered, scatter_of, turns
 from churchpipe.geometry.planar import WITHIN, Region
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import FloatArray, IntArray
 
 # Lines meet where they are closer than this share of the length of the median line.
 SNAP = 1e-3
@@ -141,17 +141,27 @@ def _short(
     within a slip.
     """
     # Drawn on as in `_meshed`, so that an end is short exactly where it would meet nothing there.
-    drawn = [*(_lengthened(line, reach) for line in lines), *map(shapely.LinearRing, outlines)]
+    drawn = np.array([*(_lengthened(line, reach) for line in lines), *map(shapely.LinearRing, outlines)], dtype=np.object_)
     tree = shapely.STRtree(drawn)
-    out: dict[tuple[int, int], float] = {}
-    for k, last in ((k, last) for k, line in enumerate(lines) if len(line) == 2 for last in (0, 1)):
-        end, along = lines[k][last], forth(lines[k], last)
-        tail = shapely.LineString([end - slip * along, end + reach * along])
-        met = [tail & drawn[other] for other in tree.query(tail, predicate="intersects").tolist() if other != k]
-        gap = min((float(shapely.distance(shapely.Point(end), place)) for place in met), default=np.inf)
-        if gap > reach:
-            out[k, last] = gap
-    return out
+    ends = [(k, last) for k, line in enumerate(lines) if len(line) == 2 for last in (0, 1)]
+    own = np.array([k for k, _ in ends], dtype=np.int64)
+    at = np.reshape([lines[k][last] for k, last in ends], (-1, 2))
+    along = np.reshape([forth(lines[k], last) for k, last in ends], (-1, 2))
+
+    def met(chosen: IntArray, back: float) -> tuple[IntArray, IntArray, Lines]:
+        """Return which ends meet which other lines from so far back, and its tail."""
+        rays = np.stack([at[chosen] - back * along[chosen], at[chosen] + reach * along[chosen]], axis=1)
+        tails: Lines = np.asarray(shapely.linestrings(rays), dtype=np.object_)
+        end, other = tree.query(tails, predicate="intersects")
+        apart = other != own[chosen[end]]
+        return chosen[end[apart]], other[apart], tails[end[apart]]
+
+    # Most ends meet a line where they are, and many others where many meet.
+    short = np.setdiff1d(np.arange(len(ends)), met(np.arange(len(ends)), reach)[0])
+    end, other, tail = met(short, slip)
+    past = np.full(len(ends), np.inf)
+    np.minimum.at(past, end, shapely.distance(shapely.points(at[end]), shapely.intersection(tail, drawn[other])))
+    return {ends[n]: float(past[n]) for n in short.tolist()}
 
 
 def _meshed(

@@ -45,8 +45,10 @@ def scatter_of(
     end, other = end[end // 2 != other], other[end // 2 != other]
     miss = np.full(len(ends), np.inf)
     np.minimum.at(miss, end, shapely.distance(ends[end], drawn[other]))
-    met = _members(mended, outlines, reach, slip).met
-    near = np.asarray(KDTree(met).query(met, k=2, distance_upper_bound=max(reach, SPREAD * _usual(miss)))[0])[:, 1]
+    all_ = _members(mended, outlines, reach, slip)
+    # Of ends alone: corners of one outline may be as near each other as its chords are short.
+    met, meant = all_.met[all_.ways.any(axis=1)], max(reach, SPREAD * _usual(miss))
+    near = np.asarray(KDTree(all_.met).query(met, k=2, distance_upper_bound=meant)[0])[:, 1]
     return Scatter(miss, min(max(reach, SPREAD * _usual(near)), slip))
 
 

@@ -92,6 +92,24 @@ def test_pieces_of_a_bed_that_point_at_each_other_beside_no_head_are_joined() ->
     assert not net.alone
 
 
+def test_short_chords_of_an_outline_elsewhere_do_not_move_the_ends_of_lines() -> None:
+    # Head joints above and below a bed end 8 mm beside each other: farther than lines miss each other, by 1 mm.
+    rng = np.random.default_rng(0)
+    beds = [[[0.0, z / 10], [2.5, z / 10]] for z in range(5)]
+    heads = [
+        [[x, z / 10], [x, (z + 1) / 10]]
+        for z in range(4)
+        for x in sorted({0.0, 2.5, *(np.arange(0.25, 2.5, 0.25) + 0.008 * (z % 2))})
+    ]
+    lines = [np.array(side) + rng.uniform(-0.001, 0.001, (2, 2)) for side in [*beds, *heads]]
+    alone = net_of(lines, [])
+    angle = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
+    beside = net_of(lines, [np.stack([5 + np.cos(angle), np.sin(angle)], axis=1)])
+    assert len(alone.meshes) == len(heads) - 4
+    for (_, meant), (_, corners) in zip(alone.meshes, beside.meshes, strict=True):
+        np.testing.assert_array_equal(corners, meant)
+
+
 def test_a_side_shorter_than_lines_miss_each_other_is_doubtful() -> None:
     # Four stones about a side of 8 mm, between whose ends nobody can tell when one falls short by 5 mm.
     cross = [[[-1, 0.6], [-0.004, 0]], [[-1, -0.6], [-0.004, 0]], [[0.004, 0], [1, 0.6]], [[0.004, 0], [1, -0.6]]]
