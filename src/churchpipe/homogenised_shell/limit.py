@@ -99,14 +99,17 @@ def shell_limit_analysis(
 
 def _sliding_off(shell: ShellModel, load: LoadCase, materials: Sequence[JointStrength], state: ShellLimitState) -> str:
     """Return what to say where a shell without cohesion is pushed by more than friction holds on level ground, else ""."""
-    level = np.ptp(shell.points[shell.supported, 2]) < NODE_TOLERANCE
-    if state.status != "optimal" or not level or any(material.cohesion > 0 for material in materials):
+    ground = np.unique(shell.material[shell.supported[shell.triangles].any(axis=1)]).tolist()
+    joints = [material for material in materials if material.name in ground]
+    if state.status != "optimal" or not joints or any(material.cohesion > 0 for material in joints):
+        return ""
+    if np.ptp(shell.points[shell.supported, 2]) >= NODE_TOLERANCE:
         return ""
     dead, live = (np.zeros(3) if given is None else given[:, :3].sum(axis=0) for given in (load.dead, load.live))
     dead[2] -= shell.body_weight.sum()
     x, y, z = dead + state.load_factor * (live + (pushed(shell, load) @ shell.body_weight) * load.direction)
     along, down = float(np.hypot(x, y)), max(-float(z), np.finfo(float).tiny)
-    friction = max(material.friction for material in materials)
+    friction = max(material.friction for material in joints)
     if along <= friction * down * (1 + SOLVER.duality_gap):
         return ""
     return (

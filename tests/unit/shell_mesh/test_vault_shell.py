@@ -5,6 +5,7 @@ facets before this code existed.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -188,6 +189,16 @@ def test_a_thick_shell_does_not_slide(
     assert shell.load_factor == pytest.approx(in_shell, abs=6e-5)
     said = f"the push is {in_shell:.4f} of the weight, more than the friction of the joints, 0.6"
     assert (said in shell.message) == (in_shell > 0.6)
+
+
+def test_what_no_joint_on_the_ground_has_does_not_keep_a_shell_from_sliding() -> None:
+    own, other = cp.Material("default", 18e3, 0.6), cp.Material("other", 18e3, 0.9, cohesion=1e4)
+    shell = cp.derive_shell(dome(span=4.0, rings=6, sides=8, oculus=1.0, thickness=0.4, materials=(own,)), 4.0 / 6)
+    state = cp.shell_limit_analysis(shell, cp.LoadCase((1, 0, 0)), (own, other))
+    assert "more than the friction of the joints, 0.6" in state.message
+    # Without any joint on the ground it falls.
+    hung = replace(shell, supported=np.zeros_like(shell.supported))
+    assert cp.shell_limit_analysis(hung, cp.LoadCase((1, 0, 0)), (own,)).status == "unstable"
 
 
 @pytest.mark.parametrize(
