@@ -108,9 +108,9 @@ def turns(line: FloatArray) -> FloatArray:
 
 
 def _usual(distances: FloatArray) -> float:
-    """Return a distance that all but a few of the finite ones are below; 0 of none."""
+    """Return a distance that all but a few of the finite ones are below, and all but one of very few; 0 of none."""
     finite = distances[np.isfinite(distances)]
-    return float(np.quantile(finite, USUAL)) if len(finite) else 0.0
+    return float(np.quantile(finite, USUAL, method="lower")) if len(finite) else 0.0
 
 
 def _drawn(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Lines:
