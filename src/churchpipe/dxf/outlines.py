@@ -51,7 +51,8 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
                 findings.append(chords(traces[k], away[id(traces[k])]))
         for k, gap in sorted(net.mended.items()):
             what = "an end of the line misses the line that it should end on, or runs past it, by {}: they meet"
-            findings.append(traces[index[k]].place.finding("W25", what, lengths=(gap,)))
+            remedy = "End it in the drawing where it should end if it was not meant to meet that line."
+            findings.append(traces[index[k]].place.finding("W25", what, lengths=(gap,), remedy=remedy))
         for k, gap in sorted(net.doubtful.items()):
             what = "a side is so short that lines near it, which miss each other by up to {}, may end at either end of it"
             remedy = "Let the lines here end on each other: two stones may be taken for one, or for neighbours."

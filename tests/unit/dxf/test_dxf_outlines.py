@@ -348,6 +348,7 @@ def test_lines_of_a_net_may_run_past_each_other_or_stop_short(over: float, tmp_p
     drawing = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base")
     assert set(codes(drawing)) == {"W12", "W18"} | ({"W25"} if over else set())
     assert "1 lines that close nothing" in str(drawing.findings)
+    assert ("if it was not meant to meet that line" in str(drawing.findings)) == bool(over)
     stones = drawing.stones
     assert int((~stones.fixed).sum()) == 3 * 5 + 2 * 4
     assert stones.volume[~stones.fixed].sum() == pytest.approx(2.0 * 1.0 * 0.12, rel=1e-9)
