@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
+from scipy.spatial import KDTree
 
 from churchpipe.geometry.places import BENT, Lines, doubtful, forth, gathered, scatter_of, turns
 from churchpipe.geometry.planar import WITHIN, Region
@@ -120,16 +121,19 @@ def _joined(
     """Return lines whose straight ends that still meet nothing, since they pass by the end of another line, are moved to it."""
     ends = np.concatenate([line[[0, -1]] for line in lines])
     ways = np.array([forth(line, end) for line in lines for end in (0, -1)])
+    tree = KDTree(ends, copy_data=True)
     for (k, last), past in _short(lines, outlines, reach, slip).items():
-        apart = np.linalg.norm(ends - lines[k][last], axis=1)
+        # Of these some may have been moved by a slip already.
+        near = np.array(sorted(tree.query_ball_point(lines[k][last], 2 * slip)))
+        apart = np.linalg.norm(ends[near] - lines[k][last], axis=1)
         # Two ends that point at each other are of sides of two stones in one line, with mortar between them, unless they are
         # much nearer than mortar is wide.
-        facing = (ways @ ways[2 * k + last] < OPPOSITE) & (apart > MORTAR * reach)
-        lost = np.linalg.norm(ends - lines[k][1 - last], axis=1) <= slip
-        apart[facing | lost | (np.arange(len(ends)) // 2 == k)] = np.inf
+        facing = (ways[near] @ ways[2 * k + last] < OPPOSITE) & (apart > MORTAR * reach)
+        lost = np.linalg.norm(ends[near] - lines[k][1 - last], axis=1) <= slip
+        apart[facing | lost | (near // 2 == k)] = np.inf
         nearest = int(np.argmin(apart))
         if apart[nearest] <= min(slip, past):
-            lines[k][last] = ends[2 * k + last] = ends[nearest]
+            lines[k][last] = ends[2 * k + last] = ends[near[nearest]]
             missed[k] = max(float(apart[nearest]), missed.get(k, 0.0))
     return lines, missed
 
