@@ -236,7 +236,8 @@ def _thickness(stones: Assemblage, shell: ShellModel, facet: IntArray) -> Figure
     """Compare each stone's volume over the mean area of its front and back with the facet's thickness; means by volume.
 
     A stone that lies off the mid-surface is one of two side by side: it reaches from there to the face of the wall. Stones that
-    turn a corner are left out. Where most do, as in a dome of few sides, volume over the area of the mid-surface is compared.
+    turn a corner are left out. Where most do, as in a dome of few sides, volume over the area of the mid-surface counts, too,
+    panel by panel.
     """
     found = np.flatnonzero(facet >= 0)
     if not len(found):
@@ -259,12 +260,24 @@ def _thickness(stones: Assemblage, shell: ShellModel, facet: IntArray) -> Figure
     around = _facets_around(stones, shell, found[odd])
     turns = [len(normals) > 0 and float(np.abs(normals @ normals.T).min()) < np.cos(np.radians(CORNER)) for normals in around]
     measured[odd[np.array(turns, dtype=np.bool_)]] = False
-    if weight[measured].sum() > 0.5:
-        weight = np.where(measured, weight, 0.0) / weight[measured].sum()
+    straight = np.where(measured, weight, 0.0)
+    share, off = float(straight.sum()), float(straight @ np.minimum(np.abs(extent / thickness - 1), 1.0))
+    apart = off / share if share > 0 else 0.0
+    if share > 0.5:
+        weight = straight / share
     else:
-        extent = thickness * stones.volume[found].sum() / float(shell.area @ shell.thickness)
-    apart = float(weight @ np.minimum(np.abs(extent / thickness - 1), 1.0))
+        whole = _filled(stones, shell, found)
+        extent, apart = thickness * whole, max(apart, float(weight @ np.abs(whole - 1)))
     return Figure("thickness", float(weight @ extent), float(weight @ thickness), "m", apart, THICKNESS)
+
+
+def _filled(stones: Assemblage, shell: ShellModel, chosen: IntArray) -> FloatArray:
+    """Return the volume of all chosen stones of a panel over area x thickness of its facets, for each of them (k,)."""
+    panel, of_stone = np.unique(stones.panel[chosen], return_inverse=True)
+    volume = np.bincount(of_stone.ravel(), stones.volume[chosen])
+    of_facets = np.array([float((shell.area * shell.thickness)[shell.panel == name].sum()) for name in panel])
+    filled: FloatArray = (volume / of_facets)[of_stone.ravel()]
+    return filled
 
 
 def _facets_around(stones: Assemblage, shell: ShellModel, chosen: IntArray) -> list[FloatArray]:

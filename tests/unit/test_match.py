@@ -98,6 +98,18 @@ def test_a_vault_most_stones_of_which_turn_a_corner_matches(built):
     assert "thickness" in failed(compare(built(thickness=0.3), built(thickness=0.312), 0.8))
 
 
+def test_a_thick_drum_does_not_make_up_for_a_thin_dome():
+    sizes = {"rings": 8, "sides": 6, "oculus": 1.0, "drum_height": 0.9, "drum_course": 0.3, "drum_thickness": 0.4}
+    building = dome(span=4.0, thickness=0.3, **sizes)
+    shell = derive_shell(building, 0.8)
+    volume, drum = shell.area * shell.thickness, shell.panel == "drum"
+    rest = 1 - 0.06 * volume[drum].sum() / volume[~drum].sum()
+    wrong = replace(shell, thickness=shell.thickness * np.where(drum, 1.06, rest))
+    assert wrong.area @ wrong.thickness == pytest.approx(volume.sum(), rel=1e-12)
+    assert match_models(*blocks_of(building), shell).passed
+    assert "thickness" in failed(match_models(*blocks_of(building), wrong))
+
+
 @pytest.mark.parametrize("corner", ["round", "alternate"])
 def test_stones_of_a_skewback_that_end_in_an_edge_are_as_thick_as_its_facets(corner):
     # They are triangles in section, with their centroid a sixth of the thickness off the mid-surface: taken for stones of two
