@@ -1,19 +1,19 @@
 """Solids that share edges and faces, told apart by the side on which each of their faces is solid."""
 
+import math
 from collections import defaultdict
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from churchpipe.geometry.clusters import components
-from churchpipe.geometry.mending import Face, signed_volumes
+from churchpipe.geometry.mending import Face, signed_volume, signed_volumes
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.surfaces import edges, surface_fault
 
-# Faces at an edge whose angles about it differ by less lie on each other, rad.
-SAME_ANGLE: Final = 1e-5
+# Solids at an edge fill more than this share of a turn together, and no more than so much beyond a whole one.
+LEAST_TURN: Final = 0.01
 # A part with less of the volume of a cube of its size encloses nothing.
 NOTHING_INSIDE: Final = 1e-9
 
@@ -31,63 +31,56 @@ def adjoining(points: FloatArray, faces: Sequence[Face]) -> list[list[int]] | No
     """Return the numbers of the faces of each of several solids, in whatever order the faces come; None where they tell none.
 
     About an edge at which more than two faces meet, each face opens a solid that the next face closes. This tells solids apart
-    where all faces run counter-clockwise from outside. It is no answer where they do not, or where one solid is all there is.
+    where all faces run alike, counter-clockwise from outside or clockwise. It is no answer where they do not, or where one solid
+    is all there is. Faces that close no solid, as those of a stone of which one is missing, are the last ones, each of their
+    connected parts by itself.
 
     Parameters
     ----------
     points: corners (n, 3). faces: indices of corners; solids that touch use the same ones.
     """
+    if signed_volume(points, faces) < 0:
+        faces = [face[::-1] for face in faces]
     sharing: defaultdict[tuple[int, int], list[tuple[int, bool]]] = defaultdict(list)
     for number, face in enumerate(faces):
         for a, b in edges(face):
             sharing[min(a, b), max(a, b)].append((number, a < b))
-    if any(len(around) % 2 for around in sharing.values()):
-        return None
     normals = np.array([_normal(points[list(face)]) for face in faces])
-    pairs: list[tuple[int, int]] = []
-    for (a, b), around in sharing.items():
-        found = _opened_and_closed(points[b] - points[a], around, normals)
-        if found is None:
-            return None
-        pairs += found
-    label = components(len(faces), np.array(pairs, dtype=np.int64))
+    pairs = [pair for (a, b), around in sharing.items() for pair in _opened_and_closed(points[b] - points[a], around, normals)]
+    label = components(len(faces), np.array(pairs, dtype=np.int64).reshape(-1, 2))
     parts = [np.flatnonzero(label == k).tolist() for k in range(int(label.max()) + 1)] if len(label) else []
-    solids = [[faces[number] for number in part] for part in parts]
-    if len(parts) < 2 or any(map(surface_fault, solids)):
+    bodies = [[faces[number] for number in part] for part in parts]
+    sound = [surface_fault(body) is None for body in bodies]
+    solids = [body for body, closed in zip(bodies, sound, strict=True) if closed]
+    if len(parts) < 2 or not solids or not all(encloses(points, solids)):
         return None
-    volumes = signed_volumes([(points, solid) for solid in solids])
-    return sorted(parts) if bool((volumes > 0).all()) and all(encloses(points, solids)) else None
+    if signed_volumes([(points, solid) for solid in solids]).min() <= 0:
+        return None
+    return [part for closed in (True, False) for part, own in zip(parts, sound, strict=True) if own is closed]
 
 
-def _opened_and_closed(along: FloatArray, around: list[tuple[int, bool]], normals: FloatArray) -> list[tuple[int, int]] | None:
-    """Return the pairs of faces between which a solid lies at an edge; None where faces do not open and close solids in turn.
+def _opened_and_closed(along: FloatArray, around: list[tuple[int, bool]], normals: FloatArray) -> list[tuple[int, int]]:
+    """Return the pairs of faces between which a solid lies at an edge; none where not as many faces close solids as open them.
 
     around: numbers of faces, and whether each runs along the edge or against it.
     """
     if len(around) == 2:
-        (first, one), (second, other) = around
-        return [(first, second)] if one != other else None
+        return [(around[0][0], around[1][0])]
+    numbers, forward = (np.array(column) for column in zip(*around, strict=True))
     length = float(np.linalg.norm(along))
-    if length == 0:
-        return None
+    if length == 0 or 2 * forward.sum() != len(around):
+        return []
     axis = along / length
-    numbers = [number for number, _ in around]
-    into = np.cross(normals[numbers], axis) * np.where([forward for _, forward in around], 1.0, -1.0)[:, None]
+    into = np.cross(normals[numbers], axis) * np.where(forward, 1.0, -1.0)[:, None]
     start = into[0] / max(float(np.linalg.norm(into[0])), 1e-300)
     angle = np.arctan2(into @ np.cross(axis, start), into @ start) % (2 * np.pi)
-    # A face that runs against the edge has its solid on the side where the angle grows. Of two that lie on each other the one
-    # that closes a solid comes before the one that opens the next.
-    order = sorted(range(len(around)), key=lambda k: (_step(angle[k]), not around[k][1]))
-    opens = [not around[k][1] for k in order]
-    if any(one == other for one, other in pairwise([*opens, opens[0]])):
-        return None
-    order = order if opens[0] else [*order[1:], order[0]]
-    return [(numbers[a], numbers[b]) for a, b in zip(order[::2], order[1::2], strict=True)]
-
-
-def _step(angle: float) -> int:
-    """Return an angle in steps of `SAME_ANGLE`, a full turn as none."""
-    return round(angle / SAME_ANGLE) % round(2 * np.pi / SAME_ANGLE)
+    # A face that runs against the edge has its solid on the side where the angle grows. Where solids touch, the face that closes
+    # one lies on the face that opens the next, and which of them comes first is chance once corners are rounded. But those that
+    # open, and those that close, follow each other as their solids do, and all solids together fill no more than a turn.
+    opens, closes = (side[np.argsort(angle[side])] for side in (np.flatnonzero(~forward), np.flatnonzero(forward)))
+    filled = float((angle[closes] - angle[opens]).sum()) / (2 * np.pi)
+    closes = np.roll(closes, -math.floor(1 + LEAST_TURN - filled))
+    return list(zip(numbers[opens].tolist(), numbers[closes].tolist(), strict=True))
 
 
 def _normal(corners: FloatArray) -> FloatArray:

@@ -17,6 +17,7 @@ from churchpipe.geometry.mending import REPAIRS, SPLIT, WELDED, Mended, flat, me
 from churchpipe.geometry.parts import parts_of
 from churchpipe.meshes.source import GROUND, Body, Face, Source, left_out
 from churchpipe.model.arrays import FloatArray
+from churchpipe.model.surfaces import CROWDED, DOUBLED
 from churchpipe.wording import counted
 
 # Rows: the axes of the model in coordinates of the file.
@@ -29,6 +30,7 @@ AXES: Final[dict[str, FloatArray]] = {
     "-x": np.array([[0, 0, 1.0], [0, 1.0, 0], [-1.0, 0, 0]]),
 }
 CLOSED = "planar faces that close"
+APART = " If these are several stones that touch, nothing tells them apart: save each as an object or a file of its own instead."
 # A ground of one face gets this part of its size as depth.
 PLATE = 0.1
 # Materials of stones that have a colour and no material; of more colours than these each stone has its own, which say nothing.
@@ -164,6 +166,7 @@ def _findings_of(mended: Mended, body: Body) -> list[Finding]:
     if mended.fault:
         place = _place(body, mended.points[[mended.fault.vertex]])
         remedy = "Pass --repair to mend it." if mended.mendable else "Close it in the program that made it."
+        remedy += APART if mended.fault.problem in (DOUBLED, CROWDED) else ""
         found = f"the body is no solid: {mended.fault.problem}, {mended.fault.found}"
         return [place.finding("E10", found, expected=mended.fault.expected, remedy=remedy)]
     out: list[Finding] = []

@@ -11,6 +11,7 @@ from churchpipe.model.arrays import FloatArray, IntArray
 Face = Sequence[int]
 
 DOUBLED = "a face lies on another"
+CROWDED = "more than two faces meet at an edge"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +65,7 @@ def surface_fault(faces: Sequence[Face]) -> SurfaceFault | None:
             expected = "every edge shared by two faces"
             return SurfaceFault("its faces do not close a solid", "an open edge", vertex, expected)
         if count > 2:
-            return SurfaceFault("more than two faces meet at an edge", f"{count} faces", vertex, "two faces at every edge")
+            return SurfaceFault(CROWDED, f"{count} faces", vertex, "two faces at every edge")
     directed = Counter(edge for face in faces for edge in edges(face))
     for (vertex, _), count in directed.items():
         if count > 1:
