@@ -8,6 +8,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.stones import Stone
+from churchpipe.model.arrays import FloatArray
 
 # All stones of a wall are as thick together as the thickest of them, but for what rounding and rough faces add.
 ROUGH = 0.02
@@ -23,14 +24,19 @@ def named_by_layers(stones: list[Stone]) -> list[Stone]:
     for stone in stones:
         if not stone.fixed and not stone.panel:
             on.setdefault(stone.layer, []).append(stone)
-    if any(layer in ("", "0", *schema.LAYERS) for layer in on) or not all(map(_in_one_plane, on.values())):
+    if any(map(no_wall, on)) or not all(in_one_plane([stone.points for stone in own]) for own in on.values()):
         return stones
     return [stone if stone.fixed or stone.panel else replace(stone, panel=stone.layer) for stone in stones]
 
 
-def _in_one_plane(stones: Sequence[Stone]) -> bool:
-    """Return whether stones side by side are no thicker than one of them."""
-    plan = [stone.points[:, :2] for stone in stones]
+def no_wall(layer: str) -> bool:
+    """Return whether a layer has a name that is none of a wall: no name, the layer of all CAD programs, one of the layout."""
+    return layer in ("", "0", *schema.LAYERS)
+
+
+def in_one_plane(stones: Sequence[FloatArray]) -> bool:
+    """Return whether stones, the corners (n, 3) of each, side by side are no thicker than one of them."""
+    plan = [points[:, :2] for points in stones]
     together = np.concatenate(plan)
     try:
         corners = together[ConvexHull(together - together.mean(axis=0)).vertices]

@@ -12,6 +12,7 @@ from churchpipe.dxf.carried import records_of
 from churchpipe.dxf.duplicates import distinct_stones
 from churchpipe.dxf.elevation import stones_of_traces
 from churchpipe.dxf.jointing import jointed, unnamed_joints
+from churchpipe.dxf.layer_parts import named_by_parts
 from churchpipe.dxf.layer_walls import named_by_layers
 from churchpipe.dxf.laying import laid_stones
 from churchpipe.dxf.merging import with_merged_faces
@@ -149,6 +150,7 @@ def read_drawing(
     if collected.errors or unit is None:
         raise FindingsError(collected, read_bodies(stones, schema.metres(unit) if unit else 1.0))
     assemblage = assembled(stones, unit, weights, collected)
+    assemblage = named_by_parts(assemblage, [stone.layer for stone in stones], reading.kept_joint)
     return Drawing(assemblage, materials, loads, collected, unit, unweighted, ties, line_loads)
 
 

@@ -14,7 +14,10 @@ _SLANT = 0.1
 _BENT = 0.05
 _UPRIGHT = 0.1
 # What a message expects of stones without any.
-_NAMED = "stones with names of walls (docs/formats.md, names of walls)"
+_NAMED = (
+    "stones with names of walls: the groups of an OBJ, the layers of a drawing, the files of a folder with one for each part "
+    "(docs/formats.md, names of walls)"
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ import numpy as np
 from churchpipe.dxf import schema
 from churchpipe.dxf.duplicates import distinct_stones
 from churchpipe.dxf.jointing import jointed
+from churchpipe.dxf.layer_parts import named_by_parts
 from churchpipe.dxf.layer_walls import named_by_layers
 from churchpipe.dxf.laying import laid_stones
 from churchpipe.dxf.reader import (
@@ -162,7 +163,10 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
     collected = Findings(path.name, tuple(finding.in_metres(1.0) for finding in findings), source.reader)
     if collected.errors or unit is None:
         raise FindingsError(collected, read_bodies(stones, 1.0))
-    return Drawing(assembled(stones, "m", weights, collected), (), (), collected, unit, unweighted)
+    found = assembled(stones, "m", weights, collected)
+    if not reading.laid:
+        found = named_by_parts(found, [stone.layer for stone in stones], reading.kept_joint)
+    return Drawing(found, (), (), collected, unit, unweighted)
 
 
 def _named_by_groups(stones: list[Stone]) -> list[Stone]:
@@ -239,7 +243,9 @@ def _read_folder(path: Path) -> Source:
         for body in source.bodies:
             stem = _readable(file.stem)
             name = stem if single or not body.name else f"{stem}/{body.name}"
-            bodies.append(replace(body, name=name))
+            # The stones of one file are a part of the building, unless the file says more.
+            within = body.within if single or any(body.within) else (stem,)
+            bodies.append(replace(body, name=name, within=within))
     known = {file.name for file in files}
     others = sorted(_readable(file.name) for file in path.iterdir() if not file.name.startswith(".") and file.name not in known)
     findings = [finding for source in sources for finding in source.findings]

@@ -105,7 +105,7 @@ def to_stones(
     """Return stones in m, z up, of bodies; findings, in m too, say what was done to them.
 
     factor: m of one unit of the file. thickness: m, of outlines; None for solids. A body whose name, group or material begins
-    with ground, support or foundation is fixed. What alone it belongs to is its layer.
+    with ground, support or foundation is fixed. What alone it belongs to is its layer; else its own name if it is several.
     """
     stones: list[Stone] = []
     flats, ground = 0, []
@@ -129,10 +129,13 @@ def to_stones(
             shells += [] if shell.fault else [(shell, material)]
         if body.whole and len(shells) > 1:
             shells = [(_united([shell for shell, _ in shells], body, findings), shells[0][1])]
+        layer = body.within[0] if len(body.within) == 1 else ""
+        # What holds several stones names them as a group does. The name of all that is in a file tells no parts.
+        layer = body.name if not any(body.within) and len(shells) > 1 and len(bodies) > 1 else layer
         for number, (shell, material) in enumerate(shells, 1):
             name = body.name or f"stone-{len(stones) + 1}"
             name = f"{name}.{number}" if body.name and len(shells) > 1 else name
-            place, layer = _place(body, shell.points, name), body.within[0] if len(body.within) == 1 else ""
+            place = _place(body, shell.points, name)
             stones.append(Stone(shell.points, tuple(shell.faces), fixed, place, name, material, layer=layer))
         if len(shells) > 1 and body.name:
             place = _place(body, shells[0][0].points)

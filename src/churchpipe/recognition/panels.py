@@ -151,7 +151,8 @@ def fit_panels(stones: Assemblage, *, joint: float | None = None) -> FittedPanel
             "stones",
             "no wall can be fitted to them",
             expected="stones with two upright parallel faces",
-            remedy="Tag the stones of each wall with PANEL, or run the rigid blocks alone.",
+            remedy="Tag the stones of each wall with PANEL, or run the rigid blocks alone. To name parts that bear loads, "
+            "give each a layer, a group of an OBJ, or a file of its own in a folder.",
         )
     rings = [voussoir_rings(wall.elevations, _APART) for wall in walls]
     cells, bent = _cells(straight, walls, rings), 2 * float(shift.max())

@@ -1,15 +1,17 @@
 """Stones drawn as solids without attributes: their layers name walls where each holds the stones of one."""
 
+import math
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
 
 import ezdxf
+import numpy as np
 import pytest
 
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.recognition.panels import fit_panels, wall_names
-from solids import Solid, box
+from solids import Solid, box, prism
 
 THICK, HIGH = 0.3, 0.25
 
@@ -62,3 +64,40 @@ def test_layers_with_stones_of_several_walls_name_none(layers: Mapping[str, list
     assert set(stones.panel) == {""}
     # Where some were named, the walls of the others would not be known by their stones.
     assert set(wall_names(stones, None)) >= {"wall-1", "wall-2"}
+
+
+def rubble(x: float, y: float, *, along: int = 0) -> list[Solid]:
+    """A wall of stones through its whole thickness whose joints slant, so that each is a wedge."""
+    courses: list[Solid] = []
+    for course in range(3):
+        for k in range(5):
+            ends = [(0.3 * k + (0.02 * (-1) ** (k + level) if 0 < k < 5 else 0.0)) for level in (course, course + 1)]
+            after = [(0.3 * (k + 1) + (0.02 * (-1) ** (k + 1 + level) if k < 4 else 0.0)) for level in (course, course + 1)]
+            low, high = (
+                [HIGH * level + (0.01 * (-1) ** j if 0 < level < 3 else 0.0) for j in (k, k + 1)]
+                for level in (course, course + 1)
+            )
+            points, faces = prism([(ends[0], low[0]), (after[0], low[1]), (after[1], high[1]), (ends[1], high[0])], THICK)
+            points = points if not along else points[:, [1, 0, 2]]
+            courses.append((points + np.array([x, y, 0.0]), faces if not along else [face[::-1] for face in faces]))
+    return courses
+
+
+def test_a_layer_of_wedges_that_are_two_walls_names_none(tmp_path: Path) -> None:
+    # They touch, as the stones of a vault do.
+    layers = {"RUBBLE": rubble(0, 0) + rubble(0, THICK, along=1)}
+    stones = read_drawing(drawn(tmp_path / "a.dxf", layers), unit_weight=18e3).stones
+    assert set(stones.panel) == {""}
+    assert set(wall_names(stones, None)) >= {"wall-1", "wall-2"}
+
+
+def test_a_barrel_has_the_name_of_its_layer(tmp_path: Path) -> None:
+    angle = [math.pi * (1 + k) / 10 for k in range(9)]
+    barrel: list[Solid] = []
+    for course, (s, t) in enumerate(pairwise(angle)):
+        outline = [(4 + r * math.cos(a), 1 + r * math.sin(a)) for r, a in ((2.0, s), (2.4, s), (2.4, t), (2.0, t))]
+        for low, high in pairwise([0, 1, 2] if course % 2 else [0, 0.5, 1.5, 2]):
+            points, faces = prism(outline, high - low)
+            barrel.append((points + np.array([0.0, 5 + low, 0.0]), faces))
+    stones = read_drawing(drawn(tmp_path / "a.dxf", {"Ring": barrel, "aisle": wall(0, 3, along=1)}), unit_weight=18e3).stones
+    assert stones.panel.tolist() == [""] + ["RING"] * len(barrel) + ["AISLE"] * 11
