@@ -14,7 +14,7 @@ from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.recognition.curved_walls import points_of
-from churchpipe.recognition.panels import fit_panels
+from churchpipe.recognition.panels import FittedPanels, fit_panels
 
 # Faces whose normals differ by less, rad, are parallel.
 PARALLEL: Final = 1e-3
@@ -26,8 +26,8 @@ def named_by_parts(stones: Assemblage, layers: Sequence[str], joint: float | Non
     """Return stones with the names of their layers as those of their parts, if the stones of each layer are one part.
 
     One part is one plane wall, or stones that touch and are all wedges, as those of a vault, a ring or a round wall. Where the
-    stones alone show two walls or more within such a layer, it says nothing; nor do others then, since names of some would keep
-    others from being found.
+    stones alone show two walls or more within such a layer, or walls that they would not show by these names, the layers say
+    nothing, since names of some would keep others from being found.
 
     Parameters
     ----------
@@ -43,13 +43,19 @@ def named_by_parts(stones: Assemblage, layers: Sequence[str], joint: float | Non
     ]
     if not all(_wedges(stones, own) and _together(stones, own) for own in vaults):
         return stones
+    named = replace(stones, panel=np.where(stones.fixed, stones.panel, layer))
+    found = _fitted(stones, joint)
+    if found and not found.vaults:
+        several = any(len({*found.panel[own].tolist()} - {""}) > 1 for own in vaults)
+        return stones if several or _fitted(named, joint) is None else named
+    return named
+
+
+def _fitted(stones: Assemblage, joint: float | None) -> FittedPanels | None:
     try:
-        found = fit_panels(stones, joint=joint)
+        return fit_panels(stones, joint=joint)
     except InputError:
-        found = None
-    if found and not found.vaults and any(len({*found.panel[own].tolist()} - {""}) > 1 for own in vaults):
-        return stones
-    return replace(stones, panel=np.where(stones.fixed, stones.panel, layer))
+        return None
 
 
 def _wedges(stones: Assemblage, own: IntArray) -> bool:
