@@ -12,8 +12,8 @@ from churchpipe.geometry.mending import Face, signed_volume, signed_volumes
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.surfaces import edges, surface_fault
 
-# Solids at an edge fill more than this share of a turn together, and no more than so much beyond a whole one.
-LEAST_TURN: Final = 0.01
+# Solids at an edge are at least so thick, as a share of a turn, where all of them together fill no more than the other share.
+THIN, FEW = 0.003, 0.1
 # A part with less of the volume of a cube of its size encloses nothing.
 NOTHING_INSIDE: Final = 1e-9
 
@@ -79,8 +79,12 @@ def _opened_and_closed(along: FloatArray, around: list[tuple[int, bool]], normal
     # open, and those that close, follow each other as their solids do, and all solids together fill no more than a turn.
     opens, closes = (side[np.argsort(angle[side])] for side in (np.flatnonzero(~forward), np.flatnonzero(forward)))
     filled = float((angle[closes] - angle[opens]).sum()) / (2 * np.pi)
-    closes = np.roll(closes, -math.floor(1 + LEAST_TURN - filled))
-    return list(zip(numbers[opens].tolist(), numbers[closes].tolist(), strict=True))
+    place = np.arange(len(opens)) + math.floor(1 - filled)
+    thick = angle[closes[place % len(opens)]] / (2 * np.pi) + place // len(opens) - angle[opens] / (2 * np.pi)
+    if thick.sum() < FEW and thick.min() < THIN:
+        # Solids fill the whole turn, and rounding has added to it: each face was paired with the one that it lies on.
+        place += 1
+    return list(zip(numbers[opens].tolist(), numbers[closes[place % len(opens)]].tolist(), strict=True))
 
 
 def _normal(corners: FloatArray) -> FloatArray:
