@@ -49,11 +49,13 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
         for k in sorted(used):
             if away[id(traces[k])]:
                 findings.append(chords(traces[k], away[id(traces[k])]))
-        for k, gap in sorted(net.mended.items()):
+        # A line that encloses no stone with others is one as it was drawn, wherever its ends were tried.
+        apart = set(net.alone)
+        for k, gap in sorted(part for part in net.mended.items() if part[0] not in apart):
             what = "an end of the line misses the line that it should end on, or runs past it, by {}: they meet"
             remedy = "End it in the drawing where it should end if it was not meant to meet that line."
             findings.append(traces[index[k]].place.finding("W25", what, lengths=(gap,), remedy=remedy))
-        for k, gap in sorted(net.doubtful.items()):
+        for k, gap in sorted(part for part in net.doubtful.items() if part[0] not in apart):
             what = "a side is so short that lines near it, which miss each other by up to {}, may end at either end of it"
             remedy = "Let the lines here end on each other: two stones may be taken for one, or for neighbours."
             findings.append(traces[index[k]].place.finding("W25", what, lengths=(gap,), remedy=remedy))

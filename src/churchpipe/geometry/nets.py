@@ -55,9 +55,15 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     reach, slip = SNAP * median, SLIP * median
     meant = lines
     lines, missed = _reaching(lines, outlines, reach, slip)
-    scatter = scatter_of(meant, lines, outlines, reach, slip)
+    # Beyond its mortar, no end of an outline without one of its sides is of one place with what lies there.
+    open_ = _open_outlines(lines, outlines, reach)
+    of_net = [k for k in range(count) if k not in open_]
+    still = [*outlines, *(lines[k] for k in open_)]
+    scatter = scatter_of([meant[k] for k in of_net], [lines[k] for k in of_net], still, reach, slip)
     for _ in range(ROUNDS):
-        lines, moved = gathered(lines, outlines, reach, slip, scatter.spread)
+        sides, moved = gathered([lines[k] for k in of_net], still, reach, slip, scatter.spread)
+        for k, side in zip(of_net, sides, strict=True):
+            lines[k] = side
         lines, missed = _reaching(lines, outlines, reach, slip)
         if not missed and moved <= STRAIGHT * median:
             break
@@ -78,9 +84,17 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     if beyond:
         net = _meshed(lines, drawn, sorted((met | crossing) - beyond), reach, slip)
     unused = [k for k in range(count) if k in beyond or k not in met | crossing]
-    short = {k: by for k, by in doubtful(meant, scatter, slip).items() if k not in unused}
+    short = {of_net[k]: by for k, by in doubtful([meant[k] for k in of_net], scatter, slip).items() if of_net[k] not in unused}
     told = {k: max(mended.get(k, 0.0), net.mended.get(k, 0.0)) for k in mended | net.mended}
     return replace(net, alone=[*net.alone, *unused], mended=told, doubtful=short)
+
+
+def _open_outlines(lines: Sequence[FloatArray], outlines: Sequence[FloatArray], reach: float) -> list[int]:
+    """Return the lines (n, 2) that turn sharply twice or more and meet no other: outlines that are not closed."""
+    drawn = np.array([*map(shapely.LineString, lines), *map(shapely.LinearRing, outlines)], dtype=np.object_)
+    line, other = shapely.STRtree(drawn).query(drawn[: len(lines)], predicate="dwithin", distance=reach)
+    meeting = set(line[line != other].tolist())
+    return [k for k, one in enumerate(lines) if k not in meeting and (turns(one) > BENT).sum() > 1]
 
 
 def _reaching(

@@ -39,6 +39,8 @@ def scatter_of(
 
     Ends that only ran past their places, or fell short of them, still meet in one point: these have no spread.
     """
+    if not lines:
+        return Scatter(np.zeros(0), reach)
     ends = _points(np.concatenate([line[[0, -1]] for line in lines]))
     drawn = _drawn(lines, outlines)
     end, other = shapely.STRtree(drawn).query(ends, predicate="dwithin", distance=slip)
@@ -61,6 +63,8 @@ def gathered(
     outlines: closed lines (n, 2), which stay where they are. reach: lines meet within it. slip: farther from a line no end was
     meant to meet it. spread: how far the meetings of lines in one place are apart at most.
     """
+    if not lines:
+        return [], 0.0
     all_ = _members(lines, outlines, reach, slip)
     groups = _grouped(all_, lines, spread)
     out, moved = [line.copy() for line in lines], 0.0
@@ -79,7 +83,7 @@ def gathered(
 def doubtful(lines: Sequence[FloatArray], scatter: Scatter, slip: float) -> dict[int, float]:
     """Return the lines (n, 2) with a side so short that lines near it, which miss each other, may have been meant to meet at
     either end of it; and by how much those miss each other."""
-    ends = np.concatenate([line[[0, -1]] for line in lines])
+    ends = np.array([line[end] for line in lines for end in (0, -1)]).reshape(-1, 2)
     tree = KDTree(ends)
     out: dict[int, float] = {}
     for k, line in enumerate(lines):

@@ -145,3 +145,17 @@ def test_beds_drawn_in_pieces_that_miss_each_other_are_whole(off: float) -> None
     net = net_of(lines, [])
     assert not net.loose
     assert len(net.meshes) == sum(len(row) - 1 for row in marks)
+
+
+def test_an_outline_without_a_side_keeps_off_the_bricks_beyond_its_mortar() -> None:
+    # Its two free ends are 10 mm from bricks on either side, as all bricks of the wall are from each other.
+    def brick(x: float, y: float) -> np.ndarray:
+        return np.array([[x, y], [x + 0.25, y], [x + 0.25, y + 0.065], [x, y + 0.065]])
+
+    closed = [brick(x, y) for y in (0.0, 0.075, 0.15) for x in (0.0, 0.26, 0.52) if (x, y) != (0.26, 0.075)]
+    u = brick(0.26, 0.075)[[1, 0, 3, 2]]
+    net = net_of([u], closed)
+    assert not net.meshes
+    assert not net.borders
+    assert not net.mended
+    assert net.alone == [0]
