@@ -82,8 +82,15 @@ def placed(carries: Carries, stones: Assemblage) -> Applied:
     on_stones = joined_loads([tried(key, lambda load=load: place_loads(stones, [load])) for key, load in loads])
 
     def bars(*keys: str) -> tuple[Tie, ...]:
-        given = [part for key in keys for part in _each(carries, key)]
-        return tuple(tie for key, bar in given for tie in tried(key, lambda bar=bar: place_ties(stones, [bar])))
+        found: dict[str, Tie] = {}
+        for key, bar in (part for table in keys for part in _each(carries, table)):
+            for tie in tried(key, lambda bar=bar: place_ties(stones, [bar])):
+                if tie.name in found:
+                    # Floors without a name are called after their walls, and so are their joists.
+                    remedy = 'Give each floor a name of its own, such as name = "upper floor".'
+                    raise InputError(key, "two ties of one name", found=tie.name, expected="a name each", remedy=remedy)
+                found[tie.name] = tie
+        return tuple(found.values())
 
     return Applied(on_stones, bars(*TIES), bars("tie_candidates"))
 

@@ -132,6 +132,24 @@ def test_ties_have_names_of_their_own(tmp_path: Path) -> None:
         read_case(case_of(tmp_path, f"{CASE}\n{candidate}"))
 
 
+def test_two_floors_of_the_same_walls_are_told_to_have_names(tmp_path: Path) -> None:
+    floor = '\n[[diaphragms]]\nwalls = ["east", "west"]\nheight_m = {}\ndead_kN_m2 = 2.0\nspacing_m = 0.8\nfriction = 0.4\n'
+    box = """name = "room"
+source = {{ generator = "box", length_m = 4.0, width_m = 3.0, courses = 20, brick_m = [0.5, 0.4, 0.2] }}
+[material.default]
+unit_weight_kN_m3 = 18.0
+friction = 0.6
+[[load]]
+direction = [1, 0, 0]
+{}"""
+    both = floor.format(1.4) + floor.format(2.8)
+    case = read_case(case_of(tmp_path, box.format(both)))
+    with pytest.raises(InputError, match=r"diaphragms\.1: two ties of one name; found east west 1; .* name = \"upper floor\""):
+        placed(case.carries, derive_blocks(case.building()))
+    named = read_case(case_of(tmp_path, box.format(floor.format(1.4) + floor.format(2.8) + 'name = "upper floor"\n')))
+    assert len(placed(named.carries, derive_blocks(named.building())).ties) > 4
+
+
 BEAM = """
 [[ring_beams]]
 walls = ["wall"]
