@@ -21,7 +21,7 @@ FROM_ITS_END = "from its end with the smaller x (of a wall along y, the smaller 
 _ALONG = f"Along the wall, {FROM_ITS_END}; of a vault along its longer side in plan"
 _TOWARD = "A level vector: where the thrust points, and to which side of the wall the eccentricity counts."
 _MASS = "Weight that the load factor multiplies; by default the dead load."
-_WHOLE = "By default that end itself, over a cross wall there, too."
+_FROM = f"Of two walls: along the first, {FROM_ITS_END}. By default that end itself, over a cross wall there, too."
 _ON_A_LINE = Usual(0, 500, "roofs bring some 5, vaults and several floors up to 100")
 _LEVEL_ON_A_LINE = Usual(-200, 200, "rafters push with some 2, vaults with up to 100")
 _AT_A_POINT = Usual(0, 5000, "beams bring 10 to 100, columns of upper storeys some hundreds")
@@ -223,9 +223,7 @@ class AreaLoad:
 
     walls: Annotated[tuple[str, ...], "Two parallel ones that it spans, over cross walls too, or four around a rectangle."]
     name: Annotated[str, "For messages and tables; by default those of the walls."] = ""
-    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), f"Of two walls: along the first, {FROM_ITS_END}. {_WHOLE}"] = (
-        None
-    )
+    begin: Annotated[Metres | None, Quantity("_m", key="from_m"), _FROM] = None
     end: Annotated[Metres | None, Quantity("_m", key="to_m"), "Likewise its other end."] = None
     height: Annotated[Metres | None, "Where it bears, above z = 0; by default the tops of the walls."] = None
     dead: Annotated[float, Quantity("_kN_m2", 0.0, usual=_ON_AN_AREA), "Downwards, between the faces of the walls."] = 0.0
@@ -367,8 +365,7 @@ def _on_wall_or_at(where: str, key: str, wall: str | None, place: object, **on_w
 
 
 def _store_numbers(load: object, where: str, **values: float | None) -> None:
-    for key, value in values.items():
-        store(load, **{key: None if value is None else finite(f"{where}: {key}", value)})
+    store(load, **{key: None if value is None else finite(f"{where}: {key}", value) for key, value in values.items()})
 
 
 def _store_load(
