@@ -25,7 +25,7 @@ from churchpipe.config.project import Project
 from churchpipe.config.published import Published, check_published
 from churchpipe.config.ready import farthest_number
 from churchpipe.config.schema import NAME_PATTERN, check
-from churchpipe.config.section import LETTERS, UNKNOWN, GatheredError, Section, Table, nearest
+from churchpipe.config.section import LETTERS, TWICE, UNKNOWN, GatheredError, Section, Table, nearest
 from churchpipe.config.tables import record
 from churchpipe.config.variants import Variant, variant_combinations, variants_of
 from churchpipe.dxf.reading import AS_DRAWN, Reading
@@ -264,8 +264,8 @@ def read_variants(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case
         )
     table.setdefault("name", path.stem)
     cases = cases_of(table, path, overrides)
-    if cases[0].sample:
-        _check_sample(table, path, overrides, cases)
+    if sample := cases[0].sample:
+        _check_sample(sample, table, path, overrides, cases[0].swept)
     return cases
 
 
@@ -302,22 +302,24 @@ _OF_VARIANTS = re.compile(r"variants\.\d+\.(name|remove|cost)\b")
 _ANOTHER = "Not even its median is a value of the key: sample one that takes numbers with decimals, in its own range."
 
 
-def _check_sample(table: dict[str, Any], path: Path, overrides: Sequence[str], cases: Sequence[Case]) -> None:
-    """Raise InputError for a distribution that reaches what its key cannot be, and a key that is swept or changes no sample."""
-    sample = cases[0].sample
-    assert sample is not None
+def _check_sample(sample: SampleSettings, table: Table, path: Path, overrides: Sequence[str], known: Mapping[str, Any]) -> None:
+    """Raise InputError for a distribution that reaches what its key cannot be, and a key that is swept or changes no sample.
+
+    known: the swept keys, with values.
+    """
     for number, parameter in enumerate(sample.parameters):
         place = f"{path}: sample.parameters.{number}"
         for key in parameter.key:
-            if key in cases[0].swept or key.partition(".")[0] in _NOT_SAMPLED or _OF_VARIANTS.match(key):
-                problem = "swept and sampled" if key in cases[0].swept else "not to be sampled"
+            swept = any(changes.overlap(key, other) for other in known)
+            if swept or key.partition(".")[0] in _NOT_SAMPLED or _OF_VARIANTS.match(key):
+                problem = "swept and sampled" if swept else "not to be sampled"
                 raise located(InputError(f"{place}.key", problem, found=key, expected="another key"), path, overrides)
         for share, value in zip(_LOOKED_AT, quantile(parameter, _LOOKED_AT).tolist(), strict=True):
             try:
                 cases_of(table, path, overrides, dict.fromkeys(parameter.key, value))
             except InputError as error:
                 first = error.problems[0] if isinstance(error, GatheredError) else error
-                remedy = first.remedy or (_ANOTHER if share == 0.5 else _NARROWER)
+                remedy = first.remedy or ("" if first.problem == TWICE else _ANOTHER if share == 0.5 else _NARROWER)
                 told = first if "[sample]" in first.where else located(first.at(f"{place}.key"), path, overrides)
                 problem = first.problem if first.problem == UNKNOWN else f"its distribution reaches {value:.4g}: {first.problem}"
                 raise InputError(told.where, problem, found=first.found, expected=first.expected, remedy=remedy) from error

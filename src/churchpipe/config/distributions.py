@@ -26,6 +26,8 @@ _Keys = Annotated[
 _LEAST = 1e-3
 # Samples of one Latin hypercube; the next ones are another hypercube, so that a longer sequence begins with the shorter one.
 HYPERCUBE = 20
+# Where it is looked whether values differ, and by which share they have to.
+_QUANTILE, _DIFFER = 1e-3, 1e-9
 # Nearer to the ends of a distribution than this nothing is drawn.
 _END = 1e-12
 _NEEDED: dict[Kind, tuple[str, ...]] = {
@@ -72,6 +74,8 @@ class SampledParameter:
         low, high = self.bounds
         if not low < high:
             raise InputError("parameter: high", "out of range", found=high, expected=f"> {low:g}, the lowest value")
+        if self.distribution in ("uniform", "beta") and math.isinf(high - low):
+            raise InputError("parameter: high", "too far from low", found=high, expected="bounds whose distance is a number")
         if self.standard_deviation is not None and not self.standard_deviation > 0:
             raise InputError("parameter: standard_deviation", "out of range", found=self.standard_deviation, expected="> 0")
         if self.mean is None or self.standard_deviation is None:
@@ -87,6 +91,11 @@ class SampledParameter:
                 raise InputError(
                     "parameter: standard_deviation", "too wide for a beta distribution", found=found, expected=expected
                 )
+        if not _can_be_drawn(self):
+            size, found = "small" if self.standard_deviation < abs(self.mean) else "large", f"{self.standard_deviation:g}"
+            expected = "values that differ from each other in nine digits"
+            raise InputError("parameter: standard_deviation", f"too {size} for its mean", found=found, expected=expected)
+        if self.distribution == "beta":
             return
         below, above = _shape(self).cdf([low, high])
         if above - below < _LEAST:
@@ -164,6 +173,16 @@ def sample_points(parameters: Sequence[SampledParameter], number: int, *, seed: 
         levels = np.concatenate([cube.random(HYPERCUBE) for cube in cubes])
     levels = np.clip(levels[:number], _END, 1 - _END)
     return np.column_stack([quantile(parameter, level) for parameter, level in zip(parameters, levels.T, strict=True)])
+
+
+def _can_be_drawn(parameter: SampledParameter) -> bool:
+    """Return whether the values of a parameter, without what cuts them off, are numbers that differ."""
+    with np.errstate(all="ignore"):
+        try:
+            low, high = _shape(parameter).ppf([_QUANTILE, 1 - _QUANTILE])
+        except OverflowError:
+            return False
+        return bool(np.isfinite(high - low) and high - low > _DIFFER * max(abs(low), abs(high)))
 
 
 def _shape(parameter: SampledParameter) -> Any:

@@ -153,12 +153,16 @@ def not_swept(table: Table, key: str) -> None:
     sweep = table.get("sweep")
     if not isinstance(sweep, dict) or key.startswith("sweep."):
         return
-    table["sweep"] = {swept: values for swept, values in flatten(sweep).items() if not _overlap(numbered(table, swept), key)}
-    if not table["sweep"]:
+    lists = flatten(sweep)
+    kept = {swept: values for swept, values in lists.items() if not overlap(numbered(table, swept), key)}
+    if not kept:
         del table["sweep"]
+    elif len(kept) < len(lists):
+        table["sweep"] = kept
 
 
-def _overlap(one: str, other: str) -> bool:
+def overlap(one: str, other: str) -> bool:
+    """Return whether two dotted keys are one, in whatever unit, or one lies within the other."""
     return bare(one) == bare(other) or one.startswith(f"{other}.") or other.startswith(f"{one}.")
 
 
@@ -168,7 +172,10 @@ def combinations(table: Table) -> Iterator[tuple[Table, Table]]:
     for swept in swept_values(table):
         changed = copy.deepcopy(base)
         for key, value in swept.items():
-            set_key(changed, key, value)
+            try:
+                set_key(changed, key, copy.deepcopy(value))
+            except InputError as error:
+                raise error.at(f"sweep.{error.where}") from error
         yield changed, swept
 
 
@@ -185,12 +192,16 @@ def swept_values(table: Table) -> Iterator[Table]:
         raise InputError("sweep", "nothing to sweep", found="an empty table", remedy="Give keys their values, or leave it out.")
     for key, values in lists.items():
         if not isinstance(values, list) or not values:
-            raise InputError(f"sweep.{key}", "nothing to sweep", found=values, expected="a list of at least one value")
+            found = repr(values)
+            raise InputError(f"sweep.{key}", "nothing to sweep", found=found, expected="a list of at least one value")
         if remedy := _NOT_SWEPT.get(key.partition(".")[0]):
             raise InputError(f"sweep.{key}", "not to be swept", remedy=remedy)
         if key == "name":
             remedy = "The name is that of the run: leave it out."
             raise InputError("sweep.name", "not to be swept", found=values, remedy=remedy)
+    for first, second in itertools.combinations([key for key, _ in _leaves(sweep)], 2):
+        if overlap(first, second):
+            raise InputError(f"sweep.{second}", "swept twice", found=f"{first} too", expected="one of them")
     # Counted first: values that are far too many would be compared with each other for minutes.
     count = math.prod(map(len, lists.values()))
     if count > MOST_COMBINATIONS:
@@ -208,15 +219,17 @@ def swept_values(table: Table) -> Iterator[Table]:
         yield dict(zip(lists, values, strict=True))
 
 
-def flatten(table: Table, prefix: str = "") -> Table:
-    """Return a nested table as one level of dotted keys."""
-    out: Table = {}
+def flatten(table: Table) -> Table:
+    """Return a nested table as one level of dotted keys; a table that is empty is a value."""
+    return dict(_leaves(table))
+
+
+def _leaves(table: Table, prefix: str = "") -> Iterator[tuple[str, Any]]:
     for key, value in table.items():
-        if isinstance(value, dict):
-            out |= flatten(value, f"{prefix}{key}.")
+        if isinstance(value, dict) and value:
+            yield from _leaves(value, f"{prefix}{key}.")
         else:
-            out[prefix + key] = value
-    return out
+            yield prefix + key, value
 
 
 def _position(place: list[Any], part: str, key: str) -> int:

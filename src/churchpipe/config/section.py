@@ -37,6 +37,7 @@ _WANTED = {
 WRONG = "wrong value"
 MISSING = "missing key"
 UNKNOWN = "unknown key"
+TWICE = "a length given twice"
 Kind = TypeVar("Kind", bound=Section)
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
-from churchpipe.config.section import Section, Table, nearest, section_in, validated
+from churchpipe.config.section import TWICE, Section, Table, nearest, section_in, shortened, validated
 from churchpipe.config.tables import table_of
 from churchpipe.dxf.reading import Reading
 from churchpipe.errors import InputError
@@ -43,7 +43,7 @@ def check_source(table: Table, file: str, problems: list[InputError]) -> Section
         return None
     for key in (key for key in table if key.endswith("_m") and f"{key}m" in table):
         found = f"{key} and {key}m"
-        problems.append(InputError(f"{file}: source.{key}", "a length given twice", found=found, expected="one of them"))
+        problems.append(InputError(f"{file}: source.{key}", TWICE, found=found, expected="one of them"))
         return None
     if given != ["generator"]:
         kind = DrawingSource if given == ["dxf"] else FileSource
@@ -56,7 +56,7 @@ def check_source(table: Table, file: str, problems: list[InputError]) -> Section
             InputError(
                 f"{file}: source.generator",
                 "unknown generator",
-                found=repr(name),
+                found=shortened(name),
                 expected=", ".join(GENERATED),
                 remedy=nearest(str(name), GENERATED),
             )

@@ -79,6 +79,8 @@ def applied(table: Table, number: int, variant: Variant) -> Table:
             raise _absent(where, key, place, last)
     for key, value in flatten(variant.change).items():
         where = f"variants.{number}.change.{key}"
+        if value == {}:
+            raise InputError(where, "nothing to change", found="an empty table", expected="keys with their values")
         place, last = _reached(out, key, where)
         if isinstance(place, list):
             last = str(_entry(place, last, where))

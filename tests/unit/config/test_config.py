@@ -181,7 +181,7 @@ MISTAKES = [
     ("material.defualt.friction=0.5", r'expected material\.defualt\.unit_weight_kN_m3.*Did you mean "default"\?'),
     ('sweep={"rigid.solver"=3}', r"--set, sweep\.rigid\.solver: nothing to sweep; found 3"),
     ("name.first=x", r"name\.first: name is not a table"),
-    ("sweep.name=x", r"sweep\.name: nothing to sweep; found x"),
+    ("sweep.name=x", r"sweep\.name: nothing to sweep; found 'x'"),
     ("sweep=3", r"case\.toml: --set, sweep: not a table"),
     ("source.length_mm=1200", r"source\.length_m: a length given twice; found length_m and length_mm; expected one of them"),
     ("material.default.friction=1e300", r"case\.toml: --set, material\.default\.friction: out of range"),
@@ -305,6 +305,40 @@ def test_a_sweep_is_a_product(tmp_path: Path) -> None:
     entry = next(e for e in todo.index["analyses"] if e["name"] == "+y_associative_friction=0.4_courses=5")
     assert entry["geometry"] == "courses=5"
     assert entry["swept"] == {"material.default.friction": 0.4, "source.courses": 5}
+
+
+@pytest.mark.parametrize(
+    ("sweep", "words"),
+    [
+        # One of both would be lost.
+        (
+            '"source.brick_mm" = [[400, 250, 200], [400, 300, 200]]\n"source.brick_mm.1" = [250, 300]',
+            r"line \d+, sweep\.source\.brick_mm\.1: swept twice; found source\.brick_mm too; expected one of them",
+        ),
+        (
+            '"source.length_mm" = [800]\n"source.length_m" = [1.2]',
+            r"sweep\.source\.length_m: swept twice; found source\.length_mm too",
+        ),
+        (
+            '"material.default.friction" = [0.4]\n[sweep.material.default]\nfriction = [0.5]',
+            r"sweep\.material\.default\.friction: swept twice; found material\.default\.friction too",
+        ),
+        # A table without a value is not left out in silence.
+        (
+            'source.courses = [3, 4]\n"material.default.friction" = {}',
+            r"sweep\.material\.default\.friction: nothing to sweep; found \{\}",
+        ),
+        ('"source.courses" = "4"', r"sweep\.source\.courses: nothing to sweep; found '4'; expected a list"),
+        ('"load.-1.direction" = [[1, 0, 0]]', r"line (\d+), sweep\.load\.-1\.direction: no such entry; found -1"),
+    ],
+)
+def test_a_sweep_that_would_lose_values_is_refused(tmp_path: Path, sweep: str, words: str) -> None:
+    text = f"{WALL}[sweep]\n{sweep}\n"
+    with pytest.raises(InputError, match=words) as caught:
+        read_variants(case_file(tmp_path, text))
+    number = re.search(r"line (\d+)", str(caught.value))
+    assert number
+    assert int(number[1]) > len(WALL.splitlines())
 
 
 def test_a_key_that_is_set_is_not_swept(tmp_path: Path) -> None:

@@ -68,3 +68,28 @@ def test_parameters_that_contradict_each_other_are_named(values: dict[str, Any],
     with pytest.raises(InputError, match=words) as caught:
         SampledParameter(("x",), **values)
     assert caught.value.where == f"parameter: {field}"
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        {"distribution": "lognormal", "mean": 0.6, "standard_deviation": 1e308},
+        {"distribution": "lognormal", "mean": 1e-300, "standard_deviation": 1e10, "low": 0.1, "high": 1.0},
+        {"distribution": "lognormal", "mean": 0.6, "standard_deviation": 1e-12},
+        {"distribution": "normal", "mean": 0.6, "standard_deviation": 1e-20},
+        {"distribution": "normal", "mean": 0.6, "standard_deviation": 1e308},
+        {"distribution": "beta", "mean": 0.5, "standard_deviation": 1e-200, "low": 0.1, "high": 0.6},
+        {"distribution": "beta", "mean": 0.5, "standard_deviation": 1e-9, "low": 0.1, "high": 0.6},
+    ],
+)
+@pytest.mark.filterwarnings("error")
+def test_a_spread_that_numbers_cannot_tell_is_refused(numbers: dict[str, Any]) -> None:
+    # The samples would all have one value, or none.
+    with pytest.raises(InputError, match=r"parameter: standard_deviation: too (small|large) for its mean; found 1e"):
+        SampledParameter(("x",), **numbers)
+
+
+@pytest.mark.filterwarnings("error")
+def test_bounds_whose_distance_is_no_number_are_refused() -> None:
+    with pytest.raises(InputError, match=r"parameter: high: too far from low; found 1e[+]308"):
+        SampledParameter(("x",), "uniform", low=-1e308, high=1e308)

@@ -108,3 +108,17 @@ change = { "material.default.friction" = 0.3 }
     # What a variant changes is not sampled in it.
     assert asis == thicker == todo.index["sample"]["points"]["material.default.friction"][2]
     assert wet == 0.3
+
+
+@pytest.mark.parametrize("sweep", ['"source.brick_mm" = [[400, 250, 200], [400, 300, 200]]', '"source.brick_mm.1" = [300, 350]'])
+def test_what_lies_within_a_swept_key_is_not_sampled(tmp_path: Path, sweep: str) -> None:
+    # The swept list would take the place of every value that is drawn.
+    width = '{ key = "source.brick_mm.1", distribution = "uniform", low = 200, high = 300 }'
+    with pytest.raises(InputError, match=r"line \d+, sample.parameters.0.key: swept and sampled; found source.brick_mm.1"):
+        read_case(case_file(tmp_path, f"{sampled(width)}[sweep]\n{sweep}\n"))
+
+
+def test_a_key_in_another_unit_than_the_file_s_is_told_so(tmp_path: Path) -> None:
+    length = '{ key = "source.length_mm", distribution = "uniform", low = 1000, high = 2000 }'
+    with pytest.raises(InputError, match=r"a length given twice.*expected one of them\.$"):
+        read_case(case_file(tmp_path, sampled(length)))

@@ -296,3 +296,15 @@ def test_entries_are_sampled_by_their_names(tmp_path: Path) -> None:
     sample = read_case(path).sample
     assert sample is not None
     assert sample.parameters[0].key == ("line_loads.1.dead_kN_m",)
+
+
+@pytest.mark.parametrize("change", ["source.thickness_mm", "source"])
+def test_an_empty_table_changes_nothing_and_is_told(tmp_path: Path, change: str) -> None:
+    text = f'{WALL}[[variants]]\nname = "thicker"\n[variants.change.{change}]\n'
+    with pytest.raises(InputError, match=rf"line \d+, .*{change}: nothing to change; found an empty table"):
+        read_variants(case_file(tmp_path, text))
+
+
+def test_an_empty_table_is_added_with_its_defaults(tmp_path: Path) -> None:
+    text = f'{WALL}[[variants]]\nname = "curve"\n[variants.add.rigid.curve]\n'
+    assert [case.rigid.curve is not None for case in read_variants(case_file(tmp_path, text))] == [False, True]
