@@ -1,7 +1,10 @@
 """The one exception that users meet: what is wrong, where, and how to mend it."""
 
+import re
 from typing import Any
 
+# What would steer a terminal, or turn the direction of what follows.
+_STEERING = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u202a-\\u202e\\u2066-\\u2069]")
 INSTALL = "pip install 'churchpipe[all]' installs all that churchpipe can use."
 
 
@@ -30,7 +33,8 @@ class InputError(ValueError):
         message = "; ".join(parts)
         # What several errors say together may end with the question of the last one.
         message += "" if message.endswith((".", "?")) else "."
-        super().__init__(f"{message} {remedy}".strip())
+        shown = f"{message} {remedy}".strip()
+        super().__init__(_STEERING.sub(lambda found: found[0].encode("unicode_escape").decode(), shown))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Let the error come whole from another process, whatever was found."""

@@ -404,3 +404,19 @@ def test_a_case_is_not_imported(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     code, _, err = call(capsys, "import", written(tmp_path, ARCH))
     assert code == 2
     assert "a case, which is not imported; expected a drawing or a mesh. churchpipe run" in err
+
+
+def test_a_message_does_not_steer_the_terminal(tmp_path: Path) -> None:
+    case = tmp_path / "case.toml"
+    case.write_text(ARCH.replace("direction = [1, 0, 0]", 'direction = [1, 0, 0]\n"\\u001b[31m\\u202e" = 1'), encoding="utf-8")
+    with pytest.raises(InputError, match=r"load\.0\.\\x1b\[31m\\u202e: unknown key"):
+        read_case(case)
+
+
+def test_a_long_name_is_told_shortened(tmp_path: Path) -> None:
+    case = tmp_path / "case.toml"
+    case.write_text(ARCH.replace('"arch"', f'"{"a" * 5000}"'), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read_case(case, ["name=arch"])
+    assert "source.generator: unknown generator; found 'aaa" in str(caught.value)
+    assert len(str(caught.value)) < 600

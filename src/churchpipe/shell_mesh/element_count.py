@@ -14,6 +14,8 @@ MOST_ELEMENTS = 1_000_000
 
 def element_count(building: Building, size: float) -> float:
     """Return about how many elements of a size, m, the walls and the vaults of a building will have."""
+    # One that is above zero in millimetres may be zero in metres.
+    size = max(size, float(np.finfo(float).tiny))
     return wall_elements(building.panels, [size] * len(building.panels)) + vault_elements(building.vaults, size)
 
 

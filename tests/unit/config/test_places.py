@@ -163,6 +163,8 @@ SET = (
             "shell.element_size_mm=2e3",
             "--set, shell.element_size_mm: longer than every wall; found 2000 mm; expected at most 1200 mm.",
         ),
+        # Above zero in millimetres, zero in metres.
+        ("shell.element_size_mm=5e-324", "--set, shell.element_size_mm: too small for this building; found about inf elements"),
         ("shell.element_size_mm=1e-1", "--set, shell.element_size_mm: too small for this building; found about 144,000,000"),
         ("check.ag_g=-1", "--set, check.ag_g: wrong value; found -1"),
         ("check.site.ag_g=1", "--set, check.site: unknown key"),
