@@ -27,12 +27,21 @@ def leave_pipe(code: int = 0) -> NoReturn:
     raise SystemExit(code)
 
 
+def _open_streams() -> None:
+    """Let streams lead nowhere that were closed as the program began: a file opened later would take their place."""
+    # In the order of their numbers, of which the system gives the lowest that is free.
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8"))
+
+
 class _Results(Console):
     def on_broken_pipe(self) -> None:
         """Leave, which by default is an error."""
         leave_pipe()
 
 
+_open_streams()
 # Names and paths are printed as they are: no markup and no emoji in them. Into a file or a pipe, tables keep their width.
 out = _Results(highlight=False, markup=False, emoji=False, width=None if sys.stdout.isatty() else 120)
 err = Console(stderr=True, highlight=False, markup=False, emoji=False)

@@ -18,12 +18,17 @@ from churchpipe.wording import counted
 if TYPE_CHECKING:
     from churchpipe.engine import Engine
 
+# A single solve shares its work among as many threads: with far more it does not end.
+_MOST_JOBS = 10_000
+
 
 @app.command()
 def run(
     case: CaseFile,
     out_dir: Annotated[Path | None, out_option("Run folder; default runs/NAME.")] = None,
-    jobs: Annotated[int | None, typer.Option("--jobs", "-j", min=1, help="Stages at one time; default: one a core.")] = None,
+    jobs: Annotated[
+        int | None, typer.Option("--jobs", "-j", min=1, max=_MOST_JOBS, help="Stages at one time; default: one a core.")
+    ] = None,
     changes: Changes = None,
     load: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="This load alone, or the support that moves. Repeatable.")

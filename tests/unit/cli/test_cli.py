@@ -35,7 +35,7 @@ from churchpipe.io.atomic import read_json, write_json
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Elastic, Material
-from churchpipe.resources import sample_names
+from churchpipe.resources import sample_case, sample_names
 from churchpipe.terminal import Display
 from command_line import call
 from corpus_files import CORPUS
@@ -1064,3 +1064,23 @@ def test_a_reader_of_the_help_may_leave(command: str, code: int) -> None:
         assert process.stdout
         process.stdout.close()
     assert process.returncode == code
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_streams_may_be_closed(closed: str, tmp_path: Path) -> None:
+    case = tmp_path / "arch.toml"
+    case.write_text(sample_case("arch"), encoding="utf-8")
+    line = f"exec {sys.executable} -m churchpipe check {case} {closed}"
+    done = subprocess.run(["sh", "-c", line], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert ("27 stones" in done.stdout) == (">&-" not in closed.replace("2>&-", ""))
+
+
+@pytest.mark.parametrize("number", ["0", "-1", "99999999999"])
+def test_no_such_number_of_jobs(capsys: pytest.CaptureFixture[str], number: str, tmp_path: Path) -> None:
+    case = tmp_path / "arch.toml"
+    case.write_text(sample_case("arch"), encoding="utf-8")
+    code, _, said = call(capsys, "run", case, "--jobs", number, "--out", tmp_path / "run")
+    assert code == 2
+    assert "--jobs" in said
+    assert not (tmp_path / "run").exists()
