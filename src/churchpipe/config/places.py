@@ -173,7 +173,8 @@ def line_of(text: str, keys: Sequence[str]) -> int:
 
     The beginning of a text is TOML too, unless it ends inside a value: the first one that knows the key ends with it.
     """
-    lines = text.splitlines(keepends=True)
+    # As TOML and editors count them: Python's own lines end at rarer signs, too, which a comment may hold.
+    lines = text.removesuffix("\n").split("\n")
     without, within = 0, len(lines)
     while True:
         known = next(((stop, table) for stop in _order(without, within) if (table := _read(lines[:stop])) is not None), None)
@@ -194,7 +195,7 @@ def _order(low: int, high: int) -> Iterator[int]:
 
 def _read(lines: Sequence[str]) -> dict[str, Any] | None:
     try:
-        return tomllib.loads("".join(lines))
+        return tomllib.loads("\n".join(lines))
     except ValueError:
         return None
 

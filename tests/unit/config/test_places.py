@@ -280,3 +280,10 @@ def test_a_table_that_lacks_one_of_two_keys_is_named_with_its_line(tmp_path: Pat
     line = text.splitlines().index("[check]") + 1
     with pytest.raises(InputError, match=rf"case\.toml: line {line}, check: missing key; expected either a_g_m_s2 or ag_g"):
         read_case(case_file(tmp_path, text))
+
+
+def test_lines_are_those_of_an_editor(tmp_path: Path) -> None:
+    text = WALL.replace("friction = 0.6", "# pasted\u2028\u0085\nfriction = -1")
+    path = case_file(tmp_path, text)
+    with pytest.raises(InputError, match=rf"line {text[: text.index('friction = -1')].count(chr(10)) + 1}, material"):
+        read_case(path)
