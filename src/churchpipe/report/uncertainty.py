@@ -20,8 +20,9 @@ from churchpipe.wording import counted
 _SHOWN = 3
 # Load factors closer than this share of them are one; the histogram then reaches so far around it.
 _SAME, _AROUND = 1e-6, 0.1
-# Parameters whose rank correlation is below this share are no more than the noise of some hundred samples.
-_NOISE = 0.1
+# Parameters whose rank correlation is below this share matter little; nor is one told that n independent samples exceed by chance
+# in one of ten cases, _CHANCE / sqrt(n - 1).
+_NOISE, _CHANCE = 0.1, 1.645
 # Letters of a line beside the bars.
 _LETTERS = 16
 _FALLEN = "falls under its own weight"
@@ -131,7 +132,8 @@ def _ranked(one: SampledAnalysis) -> list[tuple[str, float]]:
 
 
 def _matters(one: SampledAnalysis) -> str:
-    found = [(key, value) for key, value in _ranked(one) if abs(value) >= _NOISE]
+    least = max(_NOISE, _CHANCE / math.sqrt(max(one.count - 1, 1)))
+    found = [(key, value) for key, value in _ranked(one) if abs(value) >= least]
     return ", ".join(f"{heading(key).partition(',')[0]} {minus(f'{value:+z.2f}')}" for key, value in found)
 
 

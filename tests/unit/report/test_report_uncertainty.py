@@ -98,6 +98,17 @@ def test_parameters_of_one_name_are_told_apart_beside_their_bars(study: tuple[Sa
     assert max(map(len, texts)) <= 16
 
 
+@pytest.mark.parametrize(("count", "said"), [(3, False), (30, False), (100, True)])
+def test_what_so_few_samples_show_by_chance_is_no_dependence(
+    study: tuple[SampleStudy, list[Row]], count: int, said: bool
+) -> None:
+    found, rows = study
+    # Independent ranks have a correlation beyond 1.645 / sqrt(n - 1) in one of ten cases.
+    one = replace(found.analyses[0], count=count, rank_correlation={"material.default.friction": 0.2})
+    text = "\n".join(uncertainty_lines(replace(found, analyses=(one,)), rows))
+    assert ("it depends on friction +0.20" in text) == said
+
+
 def test_the_terminal_says_it_in_sentences(study: tuple[SampleStudy, list[Row]]) -> None:
     text = "\n".join(uncertainty_lines(*study))
     assert "39 samples, load factor 0.5974 in the mean" in text
