@@ -35,6 +35,9 @@ def parse_override(text: str) -> tuple[str, Any]:
     key = key.strip()
     if not equals or not all(key.split(".")):
         raise UsageError(f"--set {text}", "not an override", expected="key=value, such as --set rigid.solver=clarabel")
+    if '"' in key:
+        expected = f"the dotted key alone: {key.replace(chr(34), '')}"
+        raise UsageError(f"--set {text}", "a key in quotes", expected=expected)
     try:
         read = tomllib.loads(f"value = {value}")["value"]
     except RecursionError:

@@ -181,6 +181,7 @@ MISTAKES = [
     ("material.defualt.friction=0.5", r'expected material\.defualt\.unit_weight_kN_m3.*Did you mean "default"\?'),
     ('sweep={"rigid.solver"=3}', r"--set, sweep\.rigid\.solver: nothing to sweep; found 3"),
     ("name.first=x", r"name\.first: name is not a table"),
+    ('sweep."rigid.solver"=[3]', r"--set sweep.*: a key in quotes; expected the dotted key alone: sweep\.rigid\.solver"),
     ("sweep.name=x", r"sweep\.name: nothing to sweep; found 'x'"),
     ("sweep=3", r"case\.toml: --set, sweep: not a table"),
     ("source.length_mm=1200", r"source\.length_m: a length given twice; found length_m and length_mm; expected one of them"),
