@@ -302,17 +302,14 @@ _OF_VARIANTS = re.compile(r"variants\.\d+\.(name|remove|cost)\b")
 _ANOTHER = "Not even its median is a value of the key: sample one that takes numbers with decimals, in its own range."
 
 
-def _check_sample(sample: SampleSettings, table: Table, path: Path, overrides: Sequence[str], known: Mapping[str, Any]) -> None:
-    """Raise InputError for a distribution that reaches what its key cannot be, and a key that is swept or changes no sample.
-
-    known: the swept keys, with values.
-    """
+def _check_sample(sample: SampleSettings, table: Table, path: Path, overrides: Sequence[str], swept: Mapping[str, Any]) -> None:
+    """Raise InputError for a distribution that reaches what its key cannot be, and a key that is swept or changes no sample."""
     for number, parameter in enumerate(sample.parameters):
         place = f"{path}: sample.parameters.{number}"
         for key in parameter.key:
-            swept = any(changes.overlap(key, other) for other in known)
-            if swept or key.partition(".")[0] in _NOT_SAMPLED or _OF_VARIANTS.match(key):
-                problem = "swept and sampled" if swept else "not to be sampled"
+            twice = any(changes.overlap(key, other) for other in swept)
+            if twice or key.partition(".")[0] in _NOT_SAMPLED or _OF_VARIANTS.match(key):
+                problem = "swept and sampled" if twice else "not to be sampled"
                 raise located(InputError(f"{place}.key", problem, found=key, expected="another key"), path, overrides)
         for share, value in zip(_LOOKED_AT, quantile(parameter, _LOOKED_AT).tolist(), strict=True):
             try:
