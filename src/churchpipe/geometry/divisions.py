@@ -26,6 +26,9 @@ def divided(lines: Sequence[FloatArray], curves: Sequence[FloatArray | None], cl
     A curve of a net, on which lines end, has corners at their ends and no others but those that it needs to be followed between
     them: with corners of its own choice the voussoirs between two arcs would be cut off, and the lines would miss its chords.
 
+    So has a curve on which the sharp corners of a closed outline with curves lie: two curves on each other get the same chords.
+    With chords of their own they would enclose films, each a stone where one of them belongs to a net.
+
     Two rings of an arch seldom have their joints at one place. The chords of one ring would lean against those of the other, by
     up to half the angle of a voussoir, and faces that lean are no joint.
 
@@ -43,7 +46,7 @@ def divided(lines: Sequence[FloatArray], curves: Sequence[FloatArray | None], cl
     tree = shapely.STRtree([shapely.Point(point) for point in corner])
     sides = [shapely.LineString(_drawn_on(line)) for line, ring in zip(lines, closed, strict=True) if len(line) == 2 and not ring]
     side_tree = shapely.STRtree(sides)
-    ends = np.concatenate([_ends(line, curve is not None, ring) for line, curve, ring in zip(lines, curves, closed, strict=True)])
+    ends = np.concatenate([_ends(line, curve, ring) for line, curve, ring in zip(lines, curves, closed, strict=True)])
     out = list(lines)
     for k in bent:
         fine = np.asarray(curves[k])
@@ -75,16 +78,20 @@ def _drawn_on(side: FloatArray) -> FloatArray:
     return np.stack([side[0] - along, side[1] + along])
 
 
-def _ends(line: FloatArray, bent: bool, closed: bool) -> BoolArray:
-    """Return which corners (n,) of a line were drawn: all of a straight one, the ends of one with curves that is not closed."""
-    drawn = np.full(len(line), not bent)
+def _ends(line: FloatArray, curve: FloatArray | None, closed: bool) -> BoolArray:
+    """Return which corners (n,) of a line were drawn: all of a straight one; of one with curves (m, 2) its ends where it is not
+    closed, and else where it turns sharply.
+    """
+    if curve is None:
+        return np.ones(len(line), dtype=np.bool_)
     if not closed:
-        drawn[[0, -1]] = True
-    return drawn
+        return np.isin(np.arange(len(line)), [0, len(line) - 1])
+    sharp = curve[_turns(curve, closed=True) > SMOOTH]
+    return (np.abs(line[:, None] - sharp[None]).max(axis=2) <= ON**2 * np.ptp(line, axis=0).max()).any(axis=1)
 
 
 def _met(fine: FloatArray, curve: shapely.LineString, met: FloatArray, near: float) -> FloatArray | None:
-    """Return the corners (n, 2) of a curve on which others end, None where none ends between its own corners.
+    """Return the corners (n, 2) of a curve on which others end, None where none does.
 
     fine (m, 2): the curve; met (p, 2): corners of other lines on it. The first corner of a closed curve is not repeated.
     """
@@ -99,7 +106,7 @@ def _met(fine: FloatArray, curve: shapely.LineString, met: FloatArray, near: flo
         apart = np.minimum(apart, whole - apart) if curve.is_closed else apart
         if apart.min(initial=np.inf) > near:
             kept.append(k)
-    if len(kept) == len(own):
+    if len(kept) == len(own) and not len(met):
         return None
     order = np.array(kept)[np.argsort(along[kept], kind="stable")]
     begin = along[order]

@@ -395,6 +395,29 @@ def test_rings_of_an_arch_meet_wherever_their_joints_are(first: int, second: flo
     assert not len(contacts.near_misses.gap)
 
 
+@pytest.mark.parametrize("shift", [0.3, 0.5])
+def test_loose_arcs_beside_closed_outlines_enclose_no_slivers(shift: float, tmp_path: Path) -> None:
+    """The lower ring is loose arcs and joints, the upper one closed outlines: unlike chords of one curve enclosed films, each
+    a stone that no drawing has."""
+    lower = np.linspace(0, np.pi, 10)
+    upper = [0.0, *((np.arange(9) + shift) * np.pi / 9).tolist(), np.pi]
+
+    def draw(space: Any) -> None:
+        for start, stop in pairwise(np.degrees(lower).tolist()):
+            for radius in (1000, 1200):
+                space.add_arc((0, 0), radius, start, stop)
+        for a in lower:
+            space.add_line((1000 * np.cos(a), 1000 * np.sin(a)), (1200 * np.cos(a), 1200 * np.sin(a)))
+        bulged_ring(space, 1200, 200, upper, 0.0)
+
+    stones = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base").stones
+    contacts = find_contacts(stones)
+    free = contacts.blocks[~stones.fixed[contacts.blocks].any(axis=1)]
+    beside = sum(min(b, d) - max(a, c) > 1e-3 for a, b in pairwise(lower.tolist()) for c, d in pairwise(upper))
+    assert (~stones.fixed).sum() == 9 + 10
+    assert len(np.unique(np.sort(free), axis=0)) == 8 + 9 + beside
+
+
 @pytest.mark.parametrize("count", [7, 9, 15])
 @pytest.mark.parametrize("overrun", [0.0, 5.0, -5.0])
 def test_an_arch_of_two_arcs_and_radial_lines(overrun: float, count: int, tmp_path: Path) -> None:
