@@ -667,6 +667,19 @@ def test_the_check_with_a_site_has_a_verdict(tmp_path: Path, changes: dict, word
     assert "no check. check: the load is not horizontal." in page.text
 
 
+def test_the_check_of_a_storey_says_what_the_height_asks(tmp_path: Path) -> None:
+    state = state_of(tower())
+    check = CHECK | SITED
+    with_floor = check | {"floor_demand_m_s2": 2.45}
+    above = Page(report(tmp_path, [(record_of(state, check=with_floor), state)])).text
+    assert "a_Z = S_e(T1) \u03b3 \u03c8" in above
+    assert "give [check.floor]" not in above
+    ground = Page(report(tmp_path, [(record_of(state, check=check), state)])).text
+    assert "give [check.floor]" in ground
+    assert "a_Z = S_e(T1)" not in ground
+    assert "\u03b1\u2080 is the work of the collapse load" in ground
+
+
 def test_a_check_that_no_load_has_is_said_at_the_head(tmp_path: Path) -> None:
     state = state_of(tower())
     refused = {"message": "the load is not horizontal.", "a_g_m_s2": 1.5}
