@@ -21,6 +21,7 @@ KnowledgeLevel = Literal["LC1", "LC2", "LC3"]
 LEVELS: dict[KnowledgeLevel, float] = {"LC1": 1.35, "LC2": 1.2, "LC3": 1.0}
 CONFIDENCE_FACTOR = LEVELS["LC1"]
 BEHAVIOUR_FACTOR = 2.0
+NO_PUSH = "the load pushes no weight: the check is of loads that push the building sideways"
 
 # EN 1998-1, 3.2.1: below .04 g the seismicity is very low. A value in g that was written as one in m/s2 lies there as a rule, and
 # one in m/s2 that was written as one in g above .6 g.
@@ -248,8 +249,8 @@ def verified(found: SafetyCheck, site: Site) -> SafetyCheck:
 
 
 def is_horizontal(direction: Sequence[float] | FloatArray) -> bool:
-    """Return whether a load (3,) has no vertical component, without which it stands for no earthquake."""
-    return abs(direction[2]) <= 1e-9
+    """Return whether a load (3,) pushes sideways and has no vertical component, without which it stands for no earthquake."""
+    return abs(direction[2]) <= 1e-9 and any(direction)
 
 
 def along(direction: FloatArray, velocities: FloatArray) -> FloatArray:
@@ -257,8 +258,10 @@ def along(direction: FloatArray, velocities: FloatArray) -> FloatArray:
 
     Raises
     ------
-    InputError: the load is not horizontal, so that it stands for no earthquake.
+    InputError: the load is not horizontal, or pushes no weight, so that it stands for no earthquake.
     """
+    if not direction.any():
+        raise InputError("check", NO_PUSH)
     if not is_horizontal(direction):
         raise InputError("check", "the load is not horizontal", found=np.round(direction, 6).tolist(), expected="no z component")
     return velocities[..., :2] @ direction[:2]

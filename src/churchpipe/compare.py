@@ -20,7 +20,7 @@ from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.checks import SafetyCheck
 from churchpipe.model.contacts import Contacts
-from churchpipe.model.loads import LoadCase
+from churchpipe.model.loads import LoadCase, way_of
 from churchpipe.model.motion import velocity_at
 from churchpipe.model.names import GOOD, LOOSE, NEARLY, OUTER
 from churchpipe.model.placed_loads import PlacedLoads
@@ -317,7 +317,7 @@ def shell_parts(shell: ShellModel, state: ShellLimitState, load: LoadCase) -> di
 
 
 def _parts(panel: NameArray, weight: FloatArray, velocity: FloatArray, moving: BoolArray, load: LoadCase) -> dict[str, Any]:
-    found = parts(panel, weight, velocity, moving, load.direction)
+    found = parts(panel, weight, velocity, moving, way_of(load))
     return {"parts": found, "mechanism": mechanism_name(found)} if len(found) > 1 else {}
 
 

@@ -24,7 +24,7 @@ from churchpipe.model.names import AS_IT_IS, GOOD
 from churchpipe.model.quantities import in_unit
 from churchpipe.model.swept import friction_of_material
 from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
-from churchpipe.report.table import interval_text
+from churchpipe.report.table import factor_words, interval_text
 from churchpipe.text_table import TextTable
 from churchpipe.wording import counted, four_figures
 
@@ -189,15 +189,14 @@ def results_table(summary: Summary) -> Table:
             Text(analysis.status, STATUS_STYLES.get(analysis.status, "red")),
             *([Text(word := verdict(check), "red" if word == NOT_SATISFIED else "")] if safety else []),
         )
-    _explain(table, len(analyses), [*_WORDS, *([_OF_INTERVAL] if ranged else []), *(_OF_CHECK if safety else [])])
+    words = factor_words(analyses, _OF_PUSH)
+    _explain(table, len(analyses), [*words, _OF_BOUNDS, *([_OF_INTERVAL] if ranged else []), *(_OF_CHECK if safety else [])])
     return table
 
 
 # What columns are, for whoever sees them for the first time.
-_WORDS = (
-    "load factor: load that brings it down, over the weight that is pushed",
-    "bounds apart: upper less lower bound of the load factor, both proved",
-)
+_OF_PUSH = "load factor: load that brings it down, over the weight that is pushed"
+_OF_BOUNDS = "bounds apart: upper less lower bound of the load factor, both proved"
 _OF_INTERVAL = "interval: without dilatancy, the load factors that fit the same mechanism"
 _OF_CHECK = (
     "zeta_E: ground acceleration that it withstands, over that of the site",

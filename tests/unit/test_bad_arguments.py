@@ -97,7 +97,7 @@ def test_a_value_for_all_and_one_each_are_taken() -> None:
 
 CALLS: list[tuple[Callable[[], object], str]] = [
     (lambda: cp.LoadCase("+x"), r"LoadCase\.direction: a text; found \'\+x\'; expected a vector, such as \[1, 0, 0\]"),
-    (lambda: cp.LoadCase(), r"LoadCase: nothing is pushed; found no live wrenches; expected a direction, or live wrenches"),
+    (lambda: cp.LoadCase(), r"LoadCase: nothing is pushed; found no live wrenches; expected a direction, live wrenches"),
     (lambda: cp.LoadCase(live=np.zeros((3, 6))), r"LoadCase: nothing is pushed; found live wrenches that are all zero"),
     (lambda: cp.LoadCase(live=np.ones((3, 6)), profile="linear"), r"LoadCase: no weight is pushed; found panels or a profile"),
     (lambda: cp.LoadCase(live=np.ones((3, 6)), panels=["a"]), r"LoadCase: no weight is pushed; found panels or a profile"),

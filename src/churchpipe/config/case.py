@@ -18,7 +18,7 @@ from churchpipe.config import overrides as changes
 from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
 from churchpipe.config.carries import KINDS, Carries, placed, tried
 from churchpipe.config.case_file import read_table
-from churchpipe.config.complete import check_complete
+from churchpipe.config.complete import check_complete, checked_for
 from churchpipe.config.distributions import SampleSettings, quantile
 from churchpipe.config.places import located
 from churchpipe.config.project import Project
@@ -378,7 +378,7 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
         ring_beams=beams,
         sample=record(SampleSettings, checked["sample"], f"{file}: sample") if "sample" in checked else None,
         most_stones=checked.get("most_stones", MOST_STONES),
-        carries=Carries(**{key: _all(kind, checked, key, file) for key, kind in KINDS.items()}),
+        carries=checked_for(loads, Carries(**{key: _all(kind, checked, key, file) for key, kind in KINDS.items()}), file),
         project=record(Project, checked.get("project", {}), f"{file}: project"),
         swept=swept,
         overrides=overrides,

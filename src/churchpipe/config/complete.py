@@ -3,9 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from churchpipe.config.carries import LOADS, Carries
 from churchpipe.config.section import Table, nearest
 from churchpipe.errors import InputError
+from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.placed_loads import bare_name, called_names
 from churchpipe.model.quantities import required
 
 
@@ -38,6 +41,18 @@ def check_complete(checked: Table, file: str) -> None:
         )
     if "shell" in checked:
         _check_friction(checked, materials, file)
+
+
+def checked_for(loads: Sequence[LoadCase], carries: Carries, file: str) -> Carries:
+    """Return what is carried; an InputError for a name that one of the loads multiplies and that nothing carried has."""
+    called = [item.called for key in LOADS for item in getattr(carries, key)]
+    for number, load in enumerate(loads):
+        for name in load.multiplies or ():
+            if not {*called} & {*called_names(name)}:
+                known = ", ".join(dict.fromkeys(map(bare_name, called))) or "loads that are carried, such as point_loads"
+                place, remedy = f"{file}: load.{number}.multiplies", nearest(name, {*map(bare_name, called)})
+                raise InputError(place, "no such load", found=name, expected=known, remedy=remedy)
+    return carries
 
 
 def _check_friction(checked: Table, materials: Mapping[str, Table], file: str) -> None:

@@ -108,9 +108,10 @@ def _material_table(stored: Material | None, unit_weight: float | None, friction
 
 def _load_table(load: LoadCase) -> Table:
     values = load_table(load, defaults=False)
-    if load.name == direction_name(load.direction):
+    if load.name == ", ".join(load.multiplies or [direction_name(load.direction)]):
         values.pop("name")
-    return _table(values | {"direction": [_number(value) for value in load.direction]})
+    way = {"direction": [_number(value) for value in load.direction]} if load.direction.any() else {}
+    return _table(values | way)
 
 
 def _rigid_table(stones: int, tolerances: Mapping[str, float]) -> Table:

@@ -10,7 +10,7 @@ from churchpipe.config.carries import KINDS, MEANINGS
 from churchpipe.config.distributions import SampleSettings
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published
-from churchpipe.config.section import Section, Table, gathered, validated
+from churchpipe.config.section import Section, Table, Vector, gathered, validated
 from churchpipe.config.sources import check_source
 from churchpipe.config.tables import table_of
 from churchpipe.config.variants import Variant
@@ -20,14 +20,19 @@ from churchpipe.model.buttress import Buttress
 from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.loads import WRENCHES, LoadCase
 from churchpipe.model.materials import Material
-from churchpipe.model.quantities import MOST_COUNTED
+from churchpipe.model.quantities import MOST_COUNTED, declared
 from churchpipe.model.ring_beam import RingBeam
 
 # A name of a case, which is that of the folder of its run.
 NAME_PATTERN = r"^\w[\w .+-]*$"
 _Name = Annotated[str, Field(pattern=NAME_PATTERN, max_length=100)]
 _MATERIAL = table_of(Material, "Material", without=("name",), may_lack=("unit_weight", "friction"))
-_LOAD = table_of(LoadCase, "Load", without=WRENCHES)
+_LOAD = table_of(
+    LoadCase,
+    "Load",
+    without=("direction", *WRENCHES),
+    direction=(Vector | None, Field(None, description=declared(LoadCase)["direction"].meaning)),
+)
 _RIGID, _SHELL = table_of(RigidSettings, "Rigid"), table_of(ShellSettings, "Shell")
 _CHECK = table_of(Site, "Check")
 _PUBLISHED, _VARIANT = table_of(Published, "Published"), table_of(Variant, "Variant")

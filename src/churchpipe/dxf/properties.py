@@ -90,11 +90,12 @@ def _record(kind: type[_Kind], table: dict[str, Any], **given: Any) -> _Kind:
 
 
 def _load(name: str, table: dict[str, Any]) -> LoadCase:
-    _check_keys(table, set(_keys(LoadCase, "name")), {"direction"})
-    panels = table.get("panels")
-    if panels is not None and not (isinstance(panels, list) and all(isinstance(p, str) for p in panels)):
-        raise ValueError("panels is not a list of names")
-    return LoadCase(table["direction"], name=name, panels=panels, profile=table.get("profile", "uniform"))
+    _check_keys(table, set(_keys(LoadCase, "name")), set() if "multiplies" in table else {"direction"})
+    names = {key: table.get(key) for key in ("panels", "multiplies")}
+    for key, value in names.items():
+        if value is not None and not (isinstance(value, list) and all(isinstance(one, str) for one in value)):
+            raise ValueError(f"{key} is not a list of names")
+    return LoadCase(table.get("direction"), name=name, profile=table.get("profile", "uniform"), **names)
 
 
 def _check_keys(table: dict[str, Any], allowed: set[str], required: set[str]) -> None:

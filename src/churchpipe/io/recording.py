@@ -26,6 +26,7 @@ def _question(load: LoadCase, materials: Sequence[JointStrength], joints: Sequen
         "variant": None,
         "load": load.name,
         "direction": tuple(load.direction.tolist()),
+        "multiplies": load.multiplies or (),
         "friction": common({material.name: material.friction for material in materials}),
         "cohesion": common({material.name: material.cohesion for material in materials}),
         "compressive_strength": (common(crushing) if len(crushing) == len(materials) else crushing) if crushing else None,

@@ -52,7 +52,7 @@ class Analysis:
 
     name, variant, geometry, swept: its place in the plan of the run. flow is of limit analyses of the stones, contact_model of
     these and of a curve with torsion, planes of the shell, method is "limit" or "pushover" of the shell and "curve" of the
-    stones. direction: (3,) of the load.
+    stones. direction: (3,) of the load, zeros of one that multiplies loads, whose names multiplies has.
     status: "left-out" where it was not made. equilibrium_residual: over the weight. gap to history: of a non-associative
     analysis, see `LimitState`; history holds its load factors. control: of a capacity curve of the shell, at the node
     control_point. ending to misfit: of a capacity curve of the stones, see `BlockCapacityCurve`; largest_displacement is of all
@@ -77,6 +77,7 @@ class Analysis:
     planes: Planes | None = None
     load: str
     direction: tuple[float, ...]
+    multiplies: tuple[str, ...] = ()
     friction: Strength
     cohesion: Annotated[Strength, Quantity("_kPa")]
     compressive_strength: Annotated[Strength | None, Quantity("_MPa")] = None

@@ -9,12 +9,12 @@ from churchpipe.errors import InputError
 from churchpipe.loading.facets import Pieces, pieces_of, pieces_on
 from churchpipe.loading.placing import place_loads
 from churchpipe.model.arguments import check_kind
-from churchpipe.model.arrays import FloatArray, IntArray, NameArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import Carried
 from churchpipe.model.fill import Fill
 from churchpipe.model.loads import LoadCase, nearest_virial, pushed_share, replaced
-from churchpipe.model.placed_loads import PlacedLoads, check_loads_of
+from churchpipe.model.placed_loads import PlacedLoads, bare_name, called_names, check_loads_of
 from churchpipe.model.shell import ShellModel
 
 
@@ -38,7 +38,7 @@ def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Ca
     ----------
     load
         The load case. Dead parts are added to its `dead`; what has mass pushes in its direction, by its panels and profile, and
-        is added to its `live`. One without a direction pushes no mass.
+        is added to its `live`. One without a direction pushes no mass; what it multiplies is added to its `live` instead.
     stones
         With the names of their walls as `panel`.
     loads
@@ -52,7 +52,8 @@ def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Ca
     Raises
     ------
     InputError
-        As `place_loads`; loads placed on other stones; wrenches of the load case that are not those of these stones.
+        As `place_loads`; loads placed on other stones; wrenches of the load case that are not those of these stones; names that
+        it multiplies of which nothing is carried.
     """
     check_kind("loaded: load", load, LoadCase)
     check_kind("loaded: stones", stones, Assemblage)
@@ -112,7 +113,7 @@ def shell_loaded(
     whole = _with(load, bodies, placed, pieces, push)
     nodes = [
         _nodes_of(len(shell.triangles), pieces, force) + (0.0 if own is None else own)
-        for force, own in ((placed.dead, load.dead_nodes), (push[0], load.live_nodes))
+        for force, own in zip(_acting(load, placed, push[0]), (load.dead_nodes, load.live_nodes), strict=True)
     ]
     return replaced(whole, dead_nodes=nodes[0], live_nodes=nodes[1])
 
@@ -159,7 +160,7 @@ def _as_placed(placed: PlacedLoads) -> Pieces:
 
 def _with(load: LoadCase, bodies: _Bodies, placed: PlacedLoads, pieces: Pieces, push: tuple[FloatArray, FloatArray]) -> LoadCase:
     masses, more = push
-    forces = [pieces.forces(force) for force in (placed.dead, masses)]
+    forces = [pieces.forces(force) for force in _acting(load, placed, masses)]
     dead, live = (wrenches_of(bodies.centroid, pieces.point, force, pieces.body) for force in forces)
     live[:, :3] += more
     virials = [_virial_of(bodies.centroid, pieces.point, force, pieces.body) for force in forces]
@@ -171,6 +172,30 @@ def _with(load: LoadCase, bodies: _Bodies, placed: PlacedLoads, pieces: Pieces, 
             total += wrench
             virial += nearest_virial(wrench) if own is None else own
     return replaced(load, dead=dead, live=live, dead_virial=virials[0], live_virial=virials[1])
+
+
+def _acting(load: LoadCase, placed: PlacedLoads, masses: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the forces (n, 3) N of placed loads that act always, and those that grow with the load factor; masses: pushed."""
+    grows = multiplied(load, placed)[:, None]
+    return np.where(grows, 0.0, placed.dead), np.where(grows, placed.dead, masses)
+
+
+def multiplied(load: LoadCase, placed: PlacedLoads) -> BoolArray:
+    """Return which parts (n,) of placed loads a load case multiplies.
+
+    Raises
+    ------
+    InputError: a name of which nothing is carried, or nothing that acts.
+    """
+    out = np.zeros(len(placed.load), dtype=bool)
+    for name in load.multiplies or ():
+        own = np.isin(placed.load, called_names(name))
+        if not (own[:, None] & (placed.dead != 0)).any():
+            problem = "a mass alone, which nothing pushes" if own.any() else "no such load"
+            expected = ", ".join(sorted({bare_name(each) for each in placed.load.tolist()})) or "loads that the building carries"
+            raise InputError(f"load {load.name}: multiplies", problem, found=name, expected=expected)
+        out |= own
+    return out
 
 
 def _push(load: LoadCase, bodies: _Bodies, placed: PlacedLoads) -> tuple[FloatArray, FloatArray]:

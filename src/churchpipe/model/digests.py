@@ -16,7 +16,7 @@ def digests(**given: Any) -> str:
 
 def load_digest(load: LoadCase) -> str:
     """Return what `digests` makes of the load case of a path: where it pushes, and what the stones carry."""
-    return digests(load=[load.direction, load.panels, load.profile], carried_load=[load.dead, load.live])
+    return digests(load=[load.direction, load.panels, load.profile, load.multiplies], carried_load=[load.dead, load.live])
 
 
 def of_load(given: str, load: LoadCase, *, pushed_alike: bool = False) -> bool:

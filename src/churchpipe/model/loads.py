@@ -1,4 +1,4 @@
-"""Lateral load cases."""
+"""Load cases: what pushes, or which of the loads that a building carries grow."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,31 +13,40 @@ from churchpipe.model.arrays import FloatArray, NameArray, floats, store, unit_v
 from churchpipe.model.card import Shown
 from churchpipe.model.quantities import as_written, declared
 
+_MULTIPLIES = (
+    "In place of a direction: names of line, point and area loads, pressures and fills that the load factor multiplies, such as "
+    "a vehicle. At the load factor 1 they are as given, at 0 they are not there."
+)
 # What belongs to the stones or facets of one model, and has no place in a case file.
 WRENCHES = ("dead", "live", "dead_virial", "live_virial", "dead_nodes", "live_nodes")
 
 
+_A_LOAD = "a direction, live wrenches (nb, 6), or multiplies, names of loads that the building carries"
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class LoadCase(Shown):
-    """A lateral load proportional to weight, multiplied by the load factor.
+    """A lateral load proportional to weight, or loads that the building carries, multiplied by the load factor.
 
     direction (3,) is normalised; None, kept as zeros: no weight is pushed, nothing grows but `live`. `name` defaults to the
     direction ("+x", "-y", "(0.5, 0.866, 0)") or to "live"; `panels`: names of the panels that are pushed, None = all; profile
     "uniform", or "linear": f_i = W_i z_i (sum W) / (sum W z), z above the lowest free point, so that the load factor stays base
-    shear over weight of the loaded part. `dead` and `live` are extra wrenches (nb, 6) N and Nm about the centroids: dead ones
-    act always, live ones grow with the load factor. `dead_virial` and `live_virial` (nb, i, j) Nm are the sums of r_i F_j of
-    their forces F at points r from the centroids (i, j: axes), for paths on which stones turn, and their forces with them;
-    left out, each force acts at the point of its line nearest to the centroid. `dead_nodes` and `live_nodes` (nt, k, c), of a
-    shell, are what of the wrenches acts on corners and sides of each facet, components c: forces N on the corners (k = 0, 1, 2)
-    and on the sides from corner k - 3 to the next (k = 3, 4, 5), with the motion of the middle beyond the mean of the ends, and
-    moments Nm on the same sides (k = 6, 7, 8), with the rotation of the middle. What they leave of the wrenches acts on the
-    facet as a whole.
+    shear over weight of the loaded part. `multiplies`: in place of a direction, names of what the building carries that the load
+    factor multiplies, such as a vehicle: without it these loads are not there. `dead` and `live` are extra wrenches (nb, 6) N and
+    Nm about the centroids: dead ones act always, live ones grow with the load factor. `dead_virial` and `live_virial` (nb, i, j)
+    Nm are the sums of r_i F_j of their forces F at points r from the centroids (i, j: axes), for paths on which stones turn, and
+    their forces with them; left out, each force acts at the point of its line nearest to the centroid. `dead_nodes` and
+    `live_nodes` (nt, k, c), of a shell, are what of the wrenches acts on corners and sides of each facet, components c: forces N
+    on the corners (k = 0, 1, 2) and on the sides from corner k - 3 to the next (k = 3, 4, 5), with the motion of the middle
+    beyond the mean of the ends, and moments Nm on the same sides (k = 6, 7, 8), with the rotation of the middle. What they leave
+    of the wrenches acts on the facet as a whole.
     """
 
-    direction: Annotated[FloatArray, "Where the load pushes: a vector of any length; z is up."]
+    direction: Annotated[FloatArray, "Where the load pushes: a vector of any length; z is up. Needed, but with `multiplies`."]
     name: Annotated[str, 'For tables and pictures; by default the direction, such as "+x".'] = ""
     panels: Annotated[tuple[str, ...] | None, "Names of the walls that are pushed; by default all."] = None
     profile: Annotated[Literal["uniform", "linear"], "Over the height: as the weights, or growing from the ground."] = "uniform"
+    multiplies: Annotated[tuple[str, ...] | None, _MULTIPLIES] = None
     dead: FloatArray | None = None
     live: FloatArray | None = None
     dead_virial: FloatArray | None = None
@@ -57,6 +66,7 @@ class LoadCase(Shown):
         live_virial: npt.ArrayLike | None = None,
         dead_nodes: npt.ArrayLike | None = None,
         live_nodes: npt.ArrayLike | None = None,
+        multiplies: "tuple[str, ...] | list[str] | None" = None,
     ) -> None:
         if isinstance(direction, str):
             raise InputError(
@@ -68,17 +78,24 @@ class LoadCase(Shown):
             raise InputError("LoadCase.panels", "nothing is pushed", expected="names of panels; left out, all are pushed")
         one_of("LoadCase.profile", profile, "uniform", "linear")
         grows = None if live is None else floats("LoadCase.live", live, (None, 6))
-        if direction is None and (grows is None or not grows.any()):
+        named = None if multiplies is None else tuple(listed("LoadCase.multiplies", multiplies, str))
+        if named is not None and not (named and all(named)):
+            raise InputError("LoadCase.multiplies", "nothing grows", expected="names of loads that the building carries")
+        if named is not None and direction is not None:
+            remedy = "Analyse them one after the other, as two loads."
+            raise InputError("LoadCase", "two loads in one", expected="either direction or multiplies", remedy=remedy)
+        if direction is None and named is None and (grows is None or not grows.any()):
             found = "no live wrenches" if grows is None else "live wrenches that are all zero"
-            raise InputError("LoadCase", "nothing is pushed", found=found, expected="a direction, or live wrenches (nb, 6)")
+            raise InputError("LoadCase", "nothing is pushed", found=found, expected=_A_LOAD)
         if direction is None and (pushed is not None or profile != "uniform"):
             raise InputError("LoadCase", "no weight is pushed", found="panels or a profile", expected="a direction with them")
         store(
             self,
             direction=floats("LoadCase.direction", unit, (3,)),
-            name=_named(name, unit),
+            name=_named(name, unit, named),
             panels=pushed,
             profile=profile,
+            multiplies=named,
             dead=None if dead is None else floats("LoadCase.dead", dead, (None, 6)),
             live=grows,
             dead_virial=_of_wrenches("dead_virial", dead_virial, dead, (3, 3)),
@@ -89,6 +106,8 @@ class LoadCase(Shown):
 
     def _rows(self) -> tuple[str, Mapping[str, object]]:
         rows: dict[str, object] = {"name": self.name, "pushes": "all" if self.panels is None else ", ".join(self.panels)}
+        if self.multiplies is not None:
+            rows["multiplies"] = ", ".join(self.multiplies)
         if not self.direction.any():
             rows["pushes"] = "no weight"
         elif self.profile != "uniform":
@@ -112,7 +131,7 @@ def replaced(load: LoadCase, **wrenches: FloatArray | None) -> LoadCase:
     """Return a load case with other wrenches, or with other virials or forces on nodes of them, by their names."""
     kept = {name: getattr(load, name) for name in WRENCHES}
     direction = load.direction if load.direction.any() else None
-    return LoadCase(direction, load.name, load.panels, load.profile, **{**kept, **wrenches})
+    return LoadCase(direction, load.name, load.panels, load.profile, multiplies=load.multiplies, **{**kept, **wrenches})
 
 
 def _of_wrenches(
@@ -127,6 +146,14 @@ def _of_wrenches(
     return floats(f"LoadCase.{name}", value, (rows, *shape))
 
 
+def way_of(load: LoadCase) -> FloatArray:
+    """Return the unit vector (3,) along which a load pushes: its direction, or that of its live forces; zeros of none."""
+    if load.direction.any() or load.live is None:
+        return load.direction
+    force = load.live[:, :3].sum(axis=0)
+    return np.asarray(force / max(float(np.linalg.norm(force)), np.finfo(float).tiny))
+
+
 def load_keys() -> tuple[str, ...]:
     """Return the keys of a load in a case file or a drawing: of the fields with a meaning there; wrenches belong to stones."""
     return tuple(item.key for item in declared(LoadCase).values() if item.meaning)
@@ -135,12 +162,17 @@ def load_keys() -> tuple[str, ...]:
 def load_table(load: LoadCase, *, defaults: bool = True) -> dict[str, Any]:
     """Return a load by the keys that it has in a case file; without `defaults` only where a value is not the default."""
     table = as_written(load, defaults=defaults)
-    table["direction"] = load.direction.tolist()
+    if load.direction.any():
+        table["direction"] = load.direction.tolist()
+    else:
+        del table["direction"]
     return {key: table[key] for key in load_keys() if key in table}
 
 
-def _named(name: object, direction: FloatArray) -> str:
-    return direction_name(direction) if isinstance(name, str) and not name else text("LoadCase.name", name)
+def _named(name: object, direction: FloatArray, multiplies: tuple[str, ...] | None) -> str:
+    if isinstance(name, str) and not name:
+        return ", ".join(multiplies) if multiplies else direction_name(direction)
+    return text("LoadCase.name", name)
 
 
 def direction_name(direction: FloatArray) -> str:

@@ -11,6 +11,8 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.card import Shown
 from churchpipe.model.ties import Tie
 
+# How the loads of each kind are called, before their names.
+_KINDS = ("line load", "point load", "area load", "diaphragm", "pressure", "fill")
 # How far beside its stone a load may stand, over the diagonal of the stone.
 _SLACK = 0.1
 
@@ -74,6 +76,16 @@ class PlacedLoads(Shown):
             force = self.dead[self.load == name].sum(axis=0) / 1e3
             rows[f"{name} (x, y, z), kN"] = f"({', '.join(f'{part:z.4g}' for part in force)})"
         return "Placed loads", rows
+
+
+def called_names(name: str) -> list[str]:
+    """Return what the parts of a load of this name may be called."""
+    return [name, *(f"{kind} {name}" for kind in _KINDS)]
+
+
+def bare_name(called: str) -> str:
+    """Return the name of a load of which parts are called so."""
+    return next((called.removeprefix(f"{kind} ") for kind in _KINDS if called.startswith(f"{kind} ")), called)
 
 
 def joined_loads(parts: Sequence[PlacedLoads]) -> PlacedLoads:

@@ -59,6 +59,7 @@ def write_findings_page(
         questions=questions,
         drawings=drawings_svg(stones, loads) if stones and loads and (applied or beams) else [],
         key_to_loads=key_to_loads(loads, beams=bool(beams)) if loads else [],
+        pushes=True,
         load_rows=load_rows({str(number): one for number, one in enumerate(applied)}),
         beam_rows=beams,
         tie_rows=[[name, amount(strength / 1e3, 1)] for name, strength in strengths.items()],

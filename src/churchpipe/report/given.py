@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from churchpipe.code_check import Site
+from churchpipe.code_check import NO_PUSH, Site
 from churchpipe.errors import InputError
 from churchpipe.halved_steps import careful_check
 from churchpipe.io.movement_record import Shift, Turn, movement_record, widest_cracks
@@ -46,7 +46,7 @@ def unchecked(load: LoadCase, applied: Applied) -> str:
     """Return why a load case can have no check: it pushes no weight, or masses in its `live` that are not among what the stones
     carry; "" where it can."""
     if not load.direction.any():
-        return "the load pushes no weight: the check is of loads that push the building sideways"
+        return NO_PUSH
     return "" if load.live is None or applied.loads.mass.any() else NOT_TOLD
 
 

@@ -46,7 +46,18 @@ from churchpipe.report.safety import CUT_OFF, check_table, fails, overall, part_
 from churchpipe.report.sensitivity import sensitivity_plots
 from churchpipe.report.shell_picture import shell_picture
 from churchpipe.report.shell_view import ShellState, joint_outlines, motion_of, shell_data
-from churchpipe.report.table import Row, amount, columns_for, figure, friction_text, interval_text, rows_of, swept
+from churchpipe.report.table import (
+    OF_PUSH,
+    Row,
+    amount,
+    columns_for,
+    factor_words,
+    figure,
+    friction_text,
+    interval_text,
+    rows_of,
+    swept,
+)
 from churchpipe.report.title_block import MATERIAL_HEADINGS, material_rows, title_block
 from churchpipe.report.uncertainty import uncertainty_section
 from churchpipe.report.variants import link_to, variants_section
@@ -120,6 +131,8 @@ def write_report(
             rows=[[column.text(row) for column in columns] for row in rows],
             words=[place for place, column in enumerate(columns) if not column.numeric],
             factors=[place for place, column in enumerate(columns) if column.title == "Load factor"],
+            factor_words=factor_words([row.record for row in rows], OF_PUSH),
+            pushes=any(any(row.record.direction) for row in rows),
             chips=[place for place, column in enumerate(columns) if column.title == "Status"],
             parts=part_tables(rows),
             part_overview=part_overview(rows),

@@ -51,10 +51,11 @@ def check_state_of(
 
 def check_loads_in(where: str, load: LoadCase, stones: Assemblage, placed: PlacedLoads) -> None:
     """Raise InputError where a load, of what the stones carry, presses stones on which nothing of it is in the load case."""
-    dead = np.zeros((stones.count, 6)) if load.dead is None else load.dead
+    dead, live = (np.zeros((stones.count, 6)) if given is None else given for given in (load.dead, load.live))
     if dead.shape != (stones.count, 6):
         raise InputError(where, "a load case of other stones", found=dead.shape, expected=f"({stones.count}, 6)")
-    absent = placed.dead.any(axis=1) & ~stones.fixed[placed.stone] & ~dead[placed.stone].any(axis=1)
+    acting = np.concatenate([dead, live], axis=1) if load.multiplies else dead
+    absent = placed.dead.any(axis=1) & ~stones.fixed[placed.stone] & ~acting[placed.stone].any(axis=1)
     if absent.any():
         name = str(placed.load[absent][0])
         raise InputError(

@@ -77,6 +77,9 @@ class Column:
     numeric: bool = True
 
 
+OF_PUSH = "load factor: lateral load over weight of the loaded part at collapse"
+
+
 def rows_of(
     analyses: Sequence[Analysis],
     results: Sequence[tuple[Analysis, LimitState]],
@@ -183,6 +186,13 @@ def _seconds(row: Row) -> str:
     return "" if value is None else f"{value:.1f}"
 
 
+def factor_words(analyses: Sequence[Analysis], of_push: str) -> list[str]:
+    """Return what the load factors of these analyses are; of_push: those of loads that push weight."""
+    multiplied = dict.fromkeys(name for one in analyses for name in one.multiplies)
+    words = [of_push] if any(not one.multiplies for one in analyses) else []
+    return [*words, *(f"load factor of {name}: how many times it is carried, 1 as it is given" for name in multiplied)]
+
+
 def interval_text(analysis: Analysis) -> str:
     """Return the interval of a load factor without dilatancy, "" where there is none."""
     low, high = analysis.interval or (math.nan, math.nan)
@@ -198,14 +208,14 @@ COLUMNS = (
     Column("Variant", "of the building; none: as it is", lambda row: row.variant, numeric=False),
     Column("Model", "", _model, numeric=False),
     Column("Analysis", "flow rule of the joints, or method", lambda row: row.kind, numeric=False),
-    Column("Load", "direction or name of the lateral load", lambda row: row.load, numeric=False),
+    Column("Load", "direction or name of the load", lambda row: row.load, numeric=False),
     Column("Friction", "friction coefficient of the joints", friction_text),
     Column("Elements", "facets of the shell's mesh", _elements),
     Column("Cohesion, kPa", "cohesion of the joints", _cohesion),
     Column("Strength, MPa", "compressive strength of the joints, where the stones of the analysis crush", _crushing),
     Column(
         "Load factor",
-        "lateral load over weight of the loaded part, at collapse",
+        "of a push, over the weight of the loaded part; of loads that grow, how many times they are carried",
         lambda row: figure(row.value("load_factor")),
     ),
     Column("Lower bound", "static: forces in equilibrium and within friction", lambda row: figure(row.value("lower_bound"), 7)),
