@@ -31,8 +31,8 @@ Solver = Literal["auto", "interior-point", "clarabel"]
 
 FALLS = (
     "the dead load alone brings it down: a continuum without cohesion cannot hold a flat soffit, a vault too thin for a line of "
-    "thrust or without anything that takes its thrust, nor a load on the very end of a wall; openings need lintels that do not "
-    "yield, or arches, and a point load needs the middle of a stone below it"
+    "thrust or without anything that takes its thrust, a wall that a thrust or a pressure pushes over, nor a load on the very "
+    "end of a wall; openings need lintels that do not yield, or arches, and a point load needs the middle of a stone below it"
 )
 
 
