@@ -43,13 +43,14 @@ SITE = (
 
 
 def check_table(rows: Sequence[Row]) -> dict[str, Any] | None:
-    """Return the table of safety checks, or None where no analysis has one: headings, rows of cells, chips (the
-    column of the verdicts, where there is one), sited, refused."""
+    """Return the table of safety checks, or None where no analysis has one, or all only multiply what is carried and the case
+    says nothing of the site: headings, rows of cells, chips (the column of the verdicts, where there is one), sited, refused."""
     found = [
         (row, row.record.check) for row in rows if isinstance(row.record.check, SafetyCheck) and row.record.method != "curve"
     ]
     good = [(row, check) for row, check in found if not check.message]
-    if not found:
+    about = any(not row.record.multiplies or math.isfinite(check.a_g) for row, check in found)
+    if not about:
         return None
     columns = [*ACTIVATION, *(column for column in SITE if any(_cell(check, *column[2:]) for _, check in good))]
     sited = any(check.satisfied is not None or math.isfinite(check.a_g) for _, check in found)

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,8 @@ from churchpipe.loading.placing import place_loads
 from churchpipe.loading.wrenches import loaded, shell_loaded
 from churchpipe.model.loads import load_table
 from churchpipe.report.of_stones import check_loads_in
-from churchpipe.report.table import OF_PUSH, factor_words
+from churchpipe.report.safety import check_table
+from churchpipe.report.table import OF_PUSH, Row, factor_words
 from solids import box
 
 # A corbel: 3 m by 1 m by .5 m, 1 m of it on a pier.
@@ -127,6 +129,11 @@ def test_no_earthquake_is_checked_and_the_mechanism_is_measured_along_the_load()
     assert stone_parts(CORBEL, state, load) == {}
     record = record_of(state, load, [cp.JointStrength("default", 0.7)])
     assert (record.load, record.multiplies, record.direction) == ("axle", ("axle",), (0.0, 0.0, 0.0))
+    # A section on earthquakes would be about nothing, unless the case asks for them.
+    assert check_table([Row(replace(record, check=replace(check, a_g=np.nan)))]) is None
+    shown = check_table([Row(replace(record, check=check))])
+    assert shown is not None
+    assert shown["refused"][0][1] == check.message
     assert factor_words([record], OF_PUSH) == ["load factor of axle: how many times it is carried, 1 as it is given"]
 
 
