@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
 import churchpipe as cp
 from churchpipe.code_check import Site
@@ -14,7 +15,7 @@ from churchpipe.compare import safety, stone_parts
 from churchpipe.config.case import read_case
 from churchpipe.dxf.properties import decode_properties, encode_loads
 from churchpipe.errors import InputError
-from churchpipe.generators import vault, wall
+from churchpipe.generators import arch, vault, wall
 from churchpipe.io.recording import record_of
 from churchpipe.loading.placing import place_loads
 from churchpipe.loading.wrenches import loaded, shell_loaded
@@ -81,6 +82,51 @@ def test_an_axle_on_an_arch_is_the_load_that_presses_from_above() -> None:
     np.testing.assert_allclose(grown.live, above.live, atol=1e-9)
     factors = [cp.limit_analysis(stones, contacts, load, friction=0.7).load_factor for load in (grown, above)]
     assert factors[0] == pytest.approx(factors[1], rel=1e-6)
+
+
+def most_carried(
+    radius: float, thickness: float, half_angle: float, voussoirs: int, weight: float, place: float, stone: int
+) -> float:
+    """Return the largest force at x = place on a voussoir under which a line of thrust stays in a plane arch: linear programming
+    over the thrust, its height and its slope at the left springing, weight (of a unit of area). Nothing slides."""
+    angle = np.linspace(-half_angle, half_angle, voussoirs + 1)
+    out = np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    joint, along = radius * out, np.stack([np.cos(angle), -np.sin(angle)], axis=1)
+    rows: list[np.ndarray] = []
+    sides: list[float] = []
+    carried, moment = 0.0, 0.0
+    for k in range(voussoirs + 1):
+        # Of what acts from the left at the middle of this joint: (horizontal, vertical, moment) for H, V, M, the force, and 1.
+        x, z = joint[k] - joint[0]
+        on = float(k > stone)
+        normal = np.array([along[k, 0], along[k, 1], 0.0, -on * along[k, 1], -carried * along[k, 1]])
+        bending = np.array([z, -x, 1.0, on * (joint[k, 0] - place), carried * joint[k, 0] - moment])
+        for sign in (1.0, -1.0):
+            row = sign * bending - 0.5 * thickness * normal
+            rows.append(row[:4])
+            sides.append(-row[4])
+        if k < voussoirs:
+            low, high = radius - thickness / 2, radius + thickness / 2
+            corner = np.array([low * out[k], high * out[k], high * out[k + 1], low * out[k + 1]])
+            after = np.roll(corner, -1, axis=0)
+            cross = corner[:, 0] * after[:, 1] - after[:, 0] * corner[:, 1]
+            own = weight * abs(0.5 * cross.sum())
+            middle = float((cross * (corner + after)[:, 0]).sum() / (3 * cross.sum()))
+            carried, moment = carried + own, moment + own * middle
+    found = linprog([0, 0, 0, -1], A_ub=np.array(rows), b_ub=sides, bounds=[(0, None), (None, None), (None, None), (0, None)])
+    assert found.status == 0
+    return float(found.x[3])
+
+
+@pytest.mark.parametrize(("x", "z", "stone"), [(-1.5, 3.9, 7), (-2.4, 3.3, 3), (-0.7, 3.92, 9)])
+def test_an_axle_on_an_arch_against_lines_of_thrust(x: float, z: float, stone: int) -> None:
+    stones = cp.derive_blocks(arch(mean_radius=4.0, thickness=0.5, width=1.0, voussoirs=25, half_angle=np.radians(50.0)))
+    load = loaded(GROWING, stones, [cp.PointLoad(at=(x, 0.5, z), dead=1e3, name="axle")])
+    state = cp.limit_analysis(stones, cp.find_contacts(stones), load, friction=1.5)
+    free = ~stones.fixed
+    weight = float(stones.weight[free].sum() / stones.volume[free].sum())
+    expected = most_carried(4.0, 0.5, np.radians(50.0), 25, weight, x, stone)
+    assert 1e3 * state.load_factor == pytest.approx(expected, rel=1e-6)
 
 
 def test_what_is_multiplied_is_not_there_otherwise_and_the_rest_stays() -> None:
