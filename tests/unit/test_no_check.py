@@ -82,6 +82,14 @@ def test_loads_without_a_check_are_named_at_the_head_and_in_the_terminal() -> No
     assert found is not None
     assert found["satisfied"]
     assert found["words"].endswith(f"There is no check of: {rows[1].label}.")
+    # Of a load that multiplies what is carried none is expected, but where there is no other.
+    axle = Row(replace(row("axle", refused).record, multiplies=("axle",)))
+    found = overall([rows[0], axle], ["+x", "axle"])
+    assert found is not None
+    assert "There is no check" not in found["words"]
+    found = overall([axle], ["axle"])
+    assert found is not None
+    assert f"No load of the case has a check: {axle.label}." in found["words"]
     # A slanted load alone is told of as well.
     records: tuple[Analysis, ...] = (rows[1].record,)
     said = remarks(replace(summary(), analyses=records))

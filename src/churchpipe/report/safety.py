@@ -110,7 +110,8 @@ def overall(rows: Sequence[Row], questions: Sequence[Hashable]) -> dict[str, Any
             asked.setdefault(question, []).append(row)
         elif not row.of_shell and row.record.status != "unbounded":
             unmade.setdefault(question, row)
-    without = [row.label for question, row in unmade.items() if question not in asked]
+    # What only grows is not asked of an earthquake.
+    without = [row.label for question, row in unmade.items() if question not in asked and not (asked and row.record.multiplies)]
     if not asked:
         sited = any(row.record.check is not None and math.isfinite(row.record.check.a_g) for row in rows)
         words = f"No load of the case has a check: {'; '.join(without)}. The table of the safety check says why."
@@ -129,12 +130,27 @@ def overall(rows: Sequence[Row], questions: Sequence[Hashable]) -> dict[str, Any
     words = f"{told} {words}"
     if lead.record.flow == "associative" and lead.record.status != "unstable":
         words += " It is made of an associative load factor, an upper estimate where joints slide."
+    words += _decided(found)
     words += _moving(lead, alike)
     if any(row.of_shell for row in rows):
         words += " The check is of the stones; the shell has none."
     if without:
         words += f" There is no check of: {'; '.join(without)}."
     return {"satisfied": not failed, "words": words}
+
+
+def _decided(found: Sequence[tuple[Row, Sequence[Row]]]) -> str:
+    """Return what to say where a check by displacements decides that is satisfied while one by accelerations is not, else "";
+    found: the row that decides, and all that ask the same."""
+    passed = [rows for decides, rows in found if decides.record.method == "curve" and not fails(decides)]
+    failed = [row for rows in passed for row in rows if row.record.method != "curve" and fails(row)]
+    if not failed:
+        return ""
+    least = _lowest(failed)
+    return (
+        " Where a load has a check by displacements, that one decides. By accelerations alone, which say when stones begin to "
+        f"move, the lowest ζ_E is {figure(_zeta(least), 2)} ({least.label})."
+    )
 
 
 def _moving(lead: Row, alike: Sequence[Row]) -> str:

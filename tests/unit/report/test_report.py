@@ -699,6 +699,14 @@ def test_of_a_load_the_check_by_displacements_governs_and_of_several_loads_the_l
     found = overall(rows, asked)
     assert found is not None
     assert (found["satisfied"], "is 1.40 (capacity curve" in found["words"]) == (True, True)
+    # The card of the same load says otherwise, in red.
+    assert "that one decides. By accelerations alone" in found["words"]
+    assert f"the lowest \u03b6_E is 0.80 ({rows[0].label})." in found["words"]
+    found = overall(rows[1:], asked[1:])
+    assert found is not None
+    assert "decides" not in found["words"]
+    found = overall(rows, asked)
+    assert found is not None
     found = overall([*rows, row("-y", 0.9, SafetyCheck)], [*asked, "-y"])
     assert found is not None
     assert not found["satisfied"]
