@@ -147,7 +147,9 @@ def write_report(
             where, what = "write_report: results", "not a result of this model"
             raise InputError(where, what, found=describe(result), expected=expected, remedy=remedy)
         method = "pushover" if isinstance(result, CapacityCurve) else "limit"
-        record = shell_record_of(result, load, materials, method=method, planes=STRENGTH, ties=applied.ties, joints=groups)
+        record = shell_record_of(
+            result, load, materials, method=method, planes=STRENGTH, ties=applied.ties, joints=groups, mesh=shell
+        )
         parts = compare.shell_parts(shell, result, load) if isinstance(result, ShellLimitState) else {}
         of_shell.append((replace(record, name=name_of, **parts), _MESH, result))
     meshes = {}

@@ -221,7 +221,7 @@ def _analyse_shell(
         write_record(record, shell_record_of(str(error), load, used, **words))
         return
     write_npz(state, found)
-    write_record(record, shell_record_of(found, load, used, ties=applied.ties, **words))
+    write_record(record, shell_record_of(found, load, used, ties=applied.ties, mesh=mesh, **words))
 
 
 def rigid(settings: Path, assemblage: Path, contacts: Path, state: Path, record: Path, progress: Progress | None = None) -> None:

@@ -15,6 +15,7 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import CONTACT_MODEL, RIGID_BLOCKS, SHELL, ContactModel, Planes, ShellMethod
 from churchpipe.model.results import CapacityCurve, LimitState, ShellLimitState, Status
+from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import RankedTie, Tie
 
 
@@ -136,9 +137,11 @@ def shell_record_of(
     planes: Planes,
     ties: Sequence[Tie] = (),
     joints: Sequence[JointGroup] = (),
+    mesh: ShellModel | None = None,
     status: Literal["failed", "left-out"] = "failed",
 ) -> Analysis:
-    """Return the record of an analysis of the shell; result: a text where it was not made, and why, with its status.
+    """Return the record of an analysis of the shell; result: a text where it was not made, and why, with its status. mesh: tells
+    where the control point of a capacity curve lies.
 
     The load factor of a capacity curve is the largest one reached.
     """
@@ -156,6 +159,7 @@ def shell_record_of(
                 "message": result.message,
                 "steps": len(result.control),
                 "control_point": int(result.control_point),
+                "control_at": None if mesh is None else tuple(mesh.points[result.control_point].tolist()),
                 "control": tuple(result.control.tolist()),
                 "load_factors": tuple(result.load_factor.tolist()),
             }

@@ -55,10 +55,10 @@ class Analysis:
     stones. direction: (3,) of the load, zeros of one that multiplies loads, whose names multiplies has.
     status: "left-out" where it was not made. equilibrium_residual: over the weight. gap to history: of a non-associative
     analysis, see `LimitState`; history holds its load factors. control: of a capacity curve of the shell, at the node
-    control_point. ending to misfit: of a capacity curve of the stones, see `BlockCapacityCurve`; largest_displacement is of all
-    stones, fallen_stones are names, and fell_at is the displacement at which each fell. no_equilibria: the numbers of its steps
-    that are none, the first as drawn is 1. proved_steps: of the first ones, those proved one after the other. halved: the curve
-    in steps half as long.
+    control_point, which lies at control_at. ending to misfit: of a capacity curve of the stones, see `BlockCapacityCurve`;
+    largest_displacement is of all stones, fallen_stones are names, and fell_at is the displacement at which each fell.
+    no_equilibria: the numbers of its steps that are none, the first as drawn is 1. proved_steps: of the first ones, those proved
+    one after the other. halved: the curve in steps half as long.
     element_size, elements: of its mesh.
     parts, mechanism: the macro-elements that move, and their name. check: the safety check.
 
@@ -113,6 +113,7 @@ class Analysis:
     halved: HalvedSteps | None = None
     steps: int | None = None
     control_point: int | None = None
+    control_at: Annotated[tuple[float, ...] | None, Quantity("_m")] = None
     control: Annotated[tuple[float, ...] | None, Quantity("_mm")] = None
     tie_forces: tuple[TieForce, ...] = ()
     element_size: Annotated[float | None, Quantity("_mm")] = None

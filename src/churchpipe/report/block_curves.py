@@ -77,7 +77,13 @@ def curve_label(record: Analysis) -> str:
 
 
 def _of_shell(record: Analysis) -> str:
-    return f"Dashed: the shell at small displacements, elastic and associative, against that of its node {record.control_point}."
+    return f"Dashed: the shell at small displacements, elastic and associative, against that of its {control_words(record)}."
+
+
+def control_words(record: Analysis) -> str:
+    """Return which node a capacity curve of the shell follows, and where it lies."""
+    place = ", ".join(f"{value:.4g}" for value in record.control_at or ())
+    return f"node {record.control_point}" + (f" at ({place}) m" if place else "")
 
 
 def _sentence(record: Analysis) -> str:

@@ -11,6 +11,7 @@ from churchpipe.match import Figure
 from churchpipe.model.results import CapacityCurve
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.swept import MESH_SIZE, of_both, setting
+from churchpipe.report.block_curves import control_words
 from churchpipe.report.shell_plots import capacity_svg, domain_svg, mesh_svg
 from churchpipe.report.table import Row, change, figure, friction_text, minus, swept
 
@@ -100,7 +101,9 @@ def capacity_plots(rows: Sequence[Row]) -> list[tuple[str, str]]:
         lines = [
             (_line(row), value) for row in others if (value := row.value("load_factor")) is not None and math.isfinite(value)
         ]
-        plots.append((_question_words(members[0]), capacity_svg(curves, lines)))
+        followed = " and ".join(dict.fromkeys(control_words(row.record) for row in members if row.record.control_at))
+        heading = _question_words(members[0]) + (f", displacement of {followed}" if followed else "")
+        plots.append((heading, capacity_svg(curves, lines)))
     return plots
 
 

@@ -145,6 +145,10 @@ def test_curves_have_the_load_factors_of_the_same_question_across() -> None:
     assert compared([Pair("+x", "a", "c", 0.205 / 0.21, 0.987)], rows) == [
         ["+x", "associative, friction 0.6", "0.2100", "limit load, 60 mm, friction 0.6", "0.2050", "\u22122.4 %", "0.99"]
     ]
+    # Where the control point lies is said, too.
+    placed = replace(rows[3].record, control_point=0, control_at=(0.0, 0.25, 3.9), control=(0.0,), load_factors=(0.0,))
+    ((told, _),) = capacity_plots([*rows[:3], replace(rows[3], record=placed)])
+    assert told == f"{heading}, displacement of node 0 at (0, 0.25, 3.9) m"
     # Those of a variant have a plot of their own, which names it.
     pushed = Row(record("g", 0.2, method="pushover", variant="two ties", **of_shell), None, ("base", curve()))
     assert [heading for heading, _ in capacity_plots([*rows, pushed])] == [heading, f"two ties, {heading}"]
