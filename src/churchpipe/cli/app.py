@@ -17,7 +17,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog="Exit codes: 0 done, 1 findings in the input, 2 usage, 3 the structure or a solver (the report is written).",
+    epilog="Exit codes: 0 done; 1 errors in the input; 2 a command that cannot be read; 3 the structure does not stand, "
+    "an analysis did not converge, the match gate failed (all three with a report), or the run crashed.",
 )
 
 

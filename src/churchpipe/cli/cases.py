@@ -49,7 +49,9 @@ def generate(
 
 @app.command()
 def schema(
-    markdown: Annotated[bool, typer.Option("--markdown", help="The same as a page to read (docs/reference_case.md).")] = False,
+    markdown: Annotated[
+        bool, typer.Option("--markdown", help="Print the keys as a page to read instead (docs/reference_case.md).")
+    ] = False,
 ) -> None:
     """Print the JSON schema of the case file, by which editors complete and check it."""
     from churchpipe.config.json_schema import schema_text

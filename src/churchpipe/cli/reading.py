@@ -13,28 +13,35 @@ from churchpipe.errors import InputError, UsageError
 
 Units = Annotated[str | None, typer.Option(help="Read the drawing in this unit (m, mm, in ...), whatever it says.")]
 Thickness = Annotated[
-    str | None, typer.Option(help="Of stones drawn as outlines, with its unit: 0.12m, 120mm.", show_default=False)
+    str | None, typer.Option(help="Depth of stones drawn as outlines, with its unit: 0.12m, 120mm.", show_default=False)
 ]
-Plane = Annotated[str, typer.Option(help='What x-y is in a drawing of outlines: "xz", the elevation, or "xy", a plan.')]
+Plane = Annotated[str, typer.Option(help='What the x-y plane of a drawing of outlines is: "xz", an elevation, or "xy", a plan.')]
 Joint = Annotated[str | None, typer.Option(help="Width of joints that are drawn open, with its unit: 10mm.", show_default=False)]
 JointMode = Annotated[str, typer.Option(help='"grow": stones meet in the middle of their joints; "keep": they stay as drawn.')]
 Mortar = Annotated[str, typer.Option(help='Weight of the mortar: "counted" as if it were stone, or "ignored".')]
 Bond = Annotated[
     str | None,
-    typer.Option(help='Lay stones in whole walls: "running" or "stack"; "voussoir" where all are rings.', show_default=False),
+    typer.Option(
+        help='Bond of the stones to lay in walls drawn whole: "running", "stack", or "voussoir" where all are rings.',
+        show_default=False,
+    ),
 ]
 Course = Annotated[
-    str | None, typer.Option(help="With --bond: height of a course, width of a voussoir: 0.25m.", show_default=False)
+    str | None,
+    typer.Option(help="With --bond: height of a course, or width of a voussoir, with its unit: 0.25m.", show_default=False),
 ]
-StoneLength = Annotated[str | None, typer.Option("--stone", help="With --bond: about the length of a stone.", show_default=False)]
+StoneLength = Annotated[
+    str | None, typer.Option("--stone", help="With --bond: length of a stone, about, with its unit: 0.5m.", show_default=False)
+]
 LintelBearing = Annotated[
     str | None,
     typer.Option(
-        help="With --bond: lay lintels over flat heads that have none; how far they bear on each side.", show_default=False
+        help="With --bond: lay a lintel over each flat head without one, which bears so far on each side: 0.25m.",
+        show_default=False,
     ),
 ]
 UpAxis = Annotated[str | None, typer.Option("--up", help="Axis of a mesh that points up: z, y, x, -z, -y or -x.")]
-Scale = Annotated[float, typer.Option(help="Sizes in the building over sizes in the file, of a mesh at scale.")]
+Scale = Annotated[float, typer.Option(help="Size of the building over its size in the file, for a mesh drawn to a scale.")]
 Repair = Annotated[bool, typer.Option("--repair", help="Drop duplicates and recompute wrong attributes; each is listed.")]
 Support = Annotated[str, typer.Option(help='"base" puts a support under the lowest faces; "drawn" takes the supports drawn.')]
 

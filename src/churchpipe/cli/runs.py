@@ -27,25 +27,28 @@ def run(
     case: CaseFile,
     out_dir: Annotated[Path | None, out_option("Run folder; default runs/NAME.")] = None,
     jobs: Annotated[
-        int | None, typer.Option("--jobs", "-j", min=1, max=_MOST_JOBS, help="Stages at one time; default: one a core.")
+        int | None,
+        typer.Option(
+            "--jobs", "-j", min=1, max=_MOST_JOBS, help="How many stages may run at a time; default: one for each core."
+        ),
     ] = None,
     changes: Changes = None,
     load: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="This load alone, or the support that moves. Repeatable.")
+        list[str] | None, typer.Option(metavar="NAME", help="Analyse this load, or this support that moves, alone. Repeatable.")
     ] = None,
     model: Annotated[
         str,
         typer.Option(
-            help='One model alone: "blocks" or "shell".', show_default=False, autocompletion=lambda: ["blocks", "shell"]
+            help='Analyse one model alone: "blocks" or "shell".', show_default=False, autocompletion=lambda: ["blocks", "shell"]
         ),
     ] = "",
     only: Annotated[
-        str, typer.Option(metavar="STAGE", help="No more than this stage and what it needs: contacts, shell, rigid ...")
+        str, typer.Option(metavar="STAGE", help="Make this stage and what it needs, and no more: contacts, shell, rigid ...")
     ] = "",
-    profile: Annotated[str, typer.Option(help="Where its stages run: local, slurm, or a folder with a profile.")] = "local",
+    profile: Annotated[str, typer.Option(help="Where the stages run: local, slurm, or a folder with a profile.")] = "local",
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be done and why, and do nothing.")] = False,
 ) -> None:
-    """Run a case: stones, contacts, load factors, report. What is up to date is not done again."""
+    """Run a case: stones, contacts, load factors, report. Stages that are up to date are not made again."""
     from churchpipe import engine
     from churchpipe.finished import finished, run_name
 

@@ -22,7 +22,7 @@ def import_file(
     file: StonesFile,
     reading: Any,
     folder: Folder = None,
-    unit_weight: Annotated[float | None, typer.Option("--unit-weight-kN-m3", help="Of all stones.")] = None,
+    unit_weight: Annotated[float | None, typer.Option("--unit-weight-kN-m3", help="Unit weight of all stones, kN/m3.")] = None,
     friction: Annotated[float | None, typer.Option(help="Friction coefficient of all joints.")] = None,
     load: Annotated[
         list[str] | None, typer.Option(metavar="DIRECTION", help='Direction of a load: "+x", "-y" or "1,1,0". Repeatable.')
@@ -78,9 +78,9 @@ def check(
     changes: Changes = None,
     folder: Annotated[Path | None, out_option("Folder for findings.json and findings.dxf.")] = None,
 ) -> None:
-    """List all findings in a file of stones, and stones that float or overlap; or what is wrong with a case.
+    """List what is wrong with a file of stones, also stones that float or overlap, or with a case.
 
-    Exit code 1 for errors.
+    The exit code is 1 where there are errors.
     """
     refuse_misplaced(context, file, "contact_gap", "contact_angle", "overlap", "folder")
     if file.suffix.lower() == ".toml":
