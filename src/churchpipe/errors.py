@@ -8,6 +8,11 @@ _STEERING = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u202a-\\u202e\\u2066
 INSTALL = "pip install 'churchpipe[all]' installs all that churchpipe can use."
 
 
+def steers(text: str) -> bool:
+    """Return whether a text has characters that would steer a terminal, or turn the direction of what follows."""
+    return bool(_STEERING.search(text))
+
+
 class InputError(ValueError):
     """Input that churchpipe cannot take.
 

@@ -413,6 +413,17 @@ def test_a_message_does_not_steer_the_terminal(tmp_path: Path) -> None:
         read_case(case)
 
 
+@pytest.mark.parametrize("char", ["\\u001b[31m", "\\u202e", "\\u0007"])
+def test_names_that_would_steer_the_terminal_are_refused(tmp_path: Path, char: str) -> None:
+    case = tmp_path / "case.toml"
+    case.write_text(ARCH.replace("direction = [1, 0, 0]", f'direction = [1, 0, 0]\nname = "a{char}b"'), encoding="utf-8")
+    with pytest.raises(InputError, match=r"load\.0\.name: a control character; found 'a\\(x|u).*b'; expected a text"):
+        read_case(case)
+    # Lines and tabs of a note are none.
+    case.write_text(ARCH + '\n[project]\ntitle = "one\\ttwo"\n', encoding="utf-8")
+    assert read_case(case).project.title == "one\ttwo"
+
+
 def test_a_long_name_is_told_shortened(tmp_path: Path) -> None:
     case = tmp_path / "case.toml"
     case.write_text(ARCH.replace('"arch"', f'"{"a" * 5000}"'), encoding="utf-8")

@@ -10,11 +10,10 @@ from churchpipe.config.carries import KINDS, MEANINGS
 from churchpipe.config.distributions import SampleSettings
 from churchpipe.config.project import Project
 from churchpipe.config.published import Published
-from churchpipe.config.section import Section, Table, Vector, gathered, validated
+from churchpipe.config.section import Section, Table, Vector, gathered, steering, validated
 from churchpipe.config.sources import check_source
 from churchpipe.config.tables import table_of
 from churchpipe.config.variants import Variant
-from churchpipe.errors import InputError
 from churchpipe.model.building import MOST_STONES
 from churchpipe.model.buttress import Buttress
 from churchpipe.model.joint_group import JointGroup
@@ -81,7 +80,7 @@ def check(table: Table, file: str) -> tuple[Table, Section]:
     ------
     InputError: everything that is wrong, each with its key; an unknown key with the nearest known one.
     """
-    problems: list[InputError] = []
+    problems = list(steering(table, f"{file}: "))
     case = validated(CaseTable, table, "", file, problems)
     source = check_source(table["source"], file, problems) if isinstance(table.get("source"), dict) else None
     if problems or case is None or source is None:

@@ -1,13 +1,13 @@
 """Tables of the case file, and what is wrong with one in the user's words."""
 
 import difflib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import groupby
-from typing import Annotated, Any, TypeVar, get_args
+from typing import Annotated, Any, TypeVar, cast, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from churchpipe.errors import InputError
+from churchpipe.errors import InputError, steers
 from churchpipe.model.quantities import bare
 
 Table = dict[str, Any]
@@ -61,6 +61,21 @@ def validated(
                 InputError(problem.where, problem.problem, found=problem.found, expected=expected, remedy=problem.remedy)
             )
         return None
+
+
+def steering(value: Any, place: str) -> Iterator[InputError]:
+    """Yield an error for each text or key in a table that would steer the terminal, whose name stands in tables and reports."""
+    if isinstance(value, str) and steers(value):
+        yield InputError(place, "a control character", found=shortened(value), expected="a text that can be printed")
+    elif isinstance(value, list):
+        for number, item in enumerate(cast("list[Any]", value)):
+            yield from steering(item, f"{place}.{number}")
+    elif isinstance(value, dict):
+        for key, item in cast("dict[str, Any]", value).items():
+            inner = f"{place}.{key}".replace(": .", ": ")
+            if steers(key):
+                yield InputError(inner, "a control character in a key", expected="a key that can be printed")
+            yield from steering(item, inner)
 
 
 def _whose(item: Any) -> tuple[Any, ...]:
