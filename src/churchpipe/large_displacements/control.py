@@ -21,15 +21,21 @@ _STILL = 0.01
 
 @dataclass(frozen=True, slots=True)
 class MeanDisplacement:
-    """The mean displacement of the centroids along forces (nb, 3) N, weighed by them."""
+    """The mean displacement of points of the stones along the forces that act there, weighed by these.
+
+    force (nb, 3) N; virial (nb, i, j) Nm as in `TravellingLoads`: zeros for the centroids.
+    """
 
     force: FloatArray
+    virial: FloatArray
 
     def between(self, before: Poses, after: Poses, standing: BoolArray) -> float:
         """Return how far it has gone between poses, m; standing (nb,): stones that have not fallen."""
         force = np.where(standing[:, None], self.force, 0.0)
         total = float(np.linalg.norm(force, axis=1).sum())
-        return float((force * (after.centroid - before.centroid)).sum()) / total
+        virial = np.where(standing[:, None, None], self.virial, 0.0)
+        turned = np.einsum("kji,kij->", after.rotation - before.rotation, virial)
+        return float((force * (after.centroid - before.centroid)).sum() + turned) / total
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,10 +81,12 @@ def control_of(stones: Assemblage, load: LoadCase, control: npt.ArrayLike | None
     """
     where = "block_pushover: control"
     if control is None:
-        force = live_loads(stones, load).force
-        if not force.any():
+        live = live_loads(stones, load)
+        if not live.force.any():
             raise InputError(where, "nothing is pushed by a force", expected="a control point (x, y, z) m")
-        return MeanDisplacement(force)
+        # A push is measured at the centroids of the stones. A load that grows acts beside them, where it may go the other way.
+        virial = live.virial * (0.0 if load.direction.any() else 1.0)
+        return MeanDisplacement(live.force, virial)
     if not load.direction.any():
         raise InputError(where, "the load has no direction to measure a point along", found=control, expected="None")
     point = floats(where, control, (3,))

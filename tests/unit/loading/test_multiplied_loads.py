@@ -61,6 +61,19 @@ def test_a_corbel_tips_about_the_edge_of_its_pier() -> None:
     assert state.load_factor == pytest.approx(3.0, rel=1e-6)
 
 
+def test_a_curve_follows_the_corbel_with_its_load() -> None:
+    load = loaded(GROWING, CORBEL, [AXLE])
+    curve = cp.block_pushover(CORBEL, cp.find_contacts(CORBEL), load, friction=0.9, step=0.1, steps=12)
+    assert curve.proved
+    turn = np.linalg.norm(curve.rotation[:, 1], axis=1)
+    assert turn[-1] > 0.05
+    # Arms about the edge: of the weight, .1 m behind it and .25 m above; of the load, 1 m before it and .5 m above.
+    weight, axle = 0.1 * np.cos(turn) - 0.25 * np.sin(turn), np.cos(turn) + 0.5 * np.sin(turn)
+    np.testing.assert_allclose(curve.load_factor, 30.0 * weight / axle, rtol=1e-6)
+    # It is drawn against how far the axle goes down; the middle of the stone, behind the edge, goes up.
+    np.testing.assert_allclose(curve.displacement, 0.5 - (0.5 * np.cos(turn) - np.sin(turn)), atol=1e-9)
+
+
 @pytest.mark.parametrize("flow", ["associative", "non-associative"])
 @pytest.mark.parametrize(("friction", "expected"), [(0.7, 0.7 / 8), (1.0, 0.1)], ids=["slides", "tips"])
 def test_a_thrust_on_a_wall(friction: float, expected: float, flow: str) -> None:
