@@ -251,7 +251,9 @@ def test_the_capacity_curve_ends_on_the_limit_load(case: Path) -> None:
     np.testing.assert_allclose(shell.points[pushed["control_point"]][[0, 2]], [0, 1.0], atol=1e-9)
     assert summary["comparison"][1]["overlap"] > 0.99
     text = page(case)
-    assert "Capacity curve, load +y, friction 0.6." in text
+    node, place = pushed["control_point"], ", ".join(f"{value:.4g}" for value in pushed["control_at_m"])
+    assert pushed["control_at_m"] == shell.points[node].tolist()
+    assert f"Capacity curve, load +y, friction 0.6, displacement of node {node} at ({place}) m." in text
     assert f"shell, limit analysis, {limit['load_factor']:.4f}" in text
 
 
