@@ -478,6 +478,21 @@ def test_bad_input_found_before_is_1_and_leaves_nothing(change: str, said: str, 
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("damage", "said"), [("{", "not JSON"), ("{}", "not a summary of a run")])
+def test_a_damaged_summary_is_made_anew(damage: str, said: str, pristine: Copy, tmp_path: Path) -> None:
+    run, sound = tmp_path / "run", pristine.summary()
+    shutil.copytree(pristine.out, run)
+    (run / "summary.json").write_text(damage)
+    code, out, err = pristine.call("churchpipe", "run", pristine.case, "--out", run)
+    assert code == 0, out + err
+    assert f"{run / 'summary.json'}: {said}. It is made anew." in err
+    assert json.loads((run / "summary.json").read_text()) == sound
+    # Only what is made of the summary was made with it.
+    assert {event.stage for line in (run / "run.log").read_text().splitlines() if (event := engine.heard(line))} >= {"compare"}
+    assert "rigid" not in (run / "run.log").read_text().partition("compare")[0].replace("rigid/", "")
+
+
+@pytest.mark.slow
 def test_a_structure_that_falls_is_3_with_its_report(pristine: Copy, tmp_path: Path) -> None:
     (tmp_path / "arch.toml").write_text(
         'name="arch"\n[source]\ngenerator="arch"\nmean_radius_m=1\nthickness_m=0.2\nwidth_m=1\nvoussoirs=7\n'

@@ -15,6 +15,7 @@ from churchpipe.config.asrun import claim, other_case
 from churchpipe.config.case import Drawing, read_case, read_variants
 from churchpipe.config.laid_sizes import laying_questions
 from churchpipe.config.plan import plan
+from churchpipe.configuring import configure
 from churchpipe.dxf.reader import read_dxf
 from churchpipe.dxf.writer import write_dxf
 from churchpipe.errors import InputError, UsageError
@@ -346,6 +347,25 @@ def test_a_run_among_other_files_is_told(capsys: pytest.CaptureFixture[str], tmp
     # A run that is there is taken up again.
     claim(tmp_path, case)
     assert folder_of(case, "arch", tmp_path) == tmp_path
+    assert capsys.readouterr().err == ""
+
+
+def test_a_start_that_failed_leaves_a_folder_of_its_case(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Where the disk is full before all settings are written, the next run knows them as its own."""
+    case, run = written(tmp_path, ARCH), tmp_path / "run"
+
+    def full(path: Path, text: str) -> None:
+        if path.name == "plan.json":
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        write_text(path, text)
+
+    monkeypatch.setattr("churchpipe.configuring.write_if_changed", full)
+    with pytest.raises(OSError, match="No space left"):
+        configure(case, run)
+    assert (run / "geometry").is_dir()
+    assert folder_of(case, "arch", run) == run
     assert capsys.readouterr().err == ""
 
 

@@ -89,7 +89,6 @@ def _run(
     """
     from churchpipe import engine
     from churchpipe.compilation import compiled
-    from churchpipe.config.asrun import claim
     from churchpipe.config.case import Generated
     from churchpipe.config.plan import plan
     from churchpipe.config.plausible import work_questions
@@ -115,7 +114,7 @@ def _run(
 
     def prepare(place: Path = folder) -> None:
         configure(case, place, changes, selection)
-        claim(place, case)
+        _drop_damaged(place / "summary.json", folder)
 
     if ready is None:
         from churchpipe.pending import pending
@@ -145,6 +144,19 @@ def _run(
     good = not bad_news(read_summary(folder / "summary.json"))
     note_finished(folder, begun, good=good)
     _print_run(folder, good=good)
+
+
+def _drop_damaged(summary: Path, folder: Path) -> None:
+    """Delete a summary that cannot be read, so that it is made anew from the records of the analyses. folder: of the run."""
+    from churchpipe.io.summary import read_summary
+
+    if not summary.is_file():
+        return
+    try:
+        read_summary(summary)
+    except InputError as error:
+        summary.unlink()
+        err.print(f"{folder / summary.name}: {error.problem}. It is made anew.", style="yellow", markup=False, soft_wrap=True)
 
 
 def _check_buildings(cases: Iterable[Any]) -> None:

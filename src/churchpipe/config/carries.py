@@ -80,17 +80,22 @@ def placed(carries: Carries, stones: Assemblage) -> Applied:
     """
     loads = [part for key in LOADS for part in _each(carries, key)]
     on_stones = joined_loads([tried(key, lambda load=load: place_loads(stones, [load])) for key, load in loads])
+    table_of: dict[str, str] = {}
 
     def bars(*keys: str) -> tuple[Tie, ...]:
-        found: dict[str, Tie] = {}
+        found: list[Tie] = []
         for key, bar in (part for table in keys for part in _each(carries, table)):
             for tie in tried(key, lambda bar=bar: place_ties(stones, [bar])):
-                if tie.name in found:
+                if tie.name in table_of:
                     # Floors without a name are called after their walls, and so are their joists.
                     remedy = 'Give each floor a name of its own, such as name = "upper floor".'
+                    if not all(table.startswith("diaphragms.") for table in (key, table_of[tie.name])):
+                        remedy = f"It is that of {table_of[tie.name]} too: the joists of a floor have its name and a number. "
+                        remedy += "Give the tie another name, or the floor."
                     raise InputError(key, "two ties of one name", found=tie.name, expected="a name each", remedy=remedy)
-                found[tie.name] = tie
-        return tuple(found.values())
+                table_of[tie.name] = key
+                found.append(tie)
+        return tuple(found)
 
     return Applied(on_stones, bars(*TIES), bars("tie_candidates"))
 

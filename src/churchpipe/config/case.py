@@ -18,7 +18,7 @@ from churchpipe.config import overrides as changes
 from churchpipe.config.analyses import MovementSettings, RigidSettings, ShellSettings
 from churchpipe.config.carries import KINDS, Carries, placed, tried
 from churchpipe.config.case_file import read_table
-from churchpipe.config.complete import check_complete, checked_for
+from churchpipe.config.complete import check_complete, checked_for, unknown_material
 from churchpipe.config.distributions import SampleSettings, quantile
 from churchpipe.config.places import located
 from churchpipe.config.project import Project
@@ -264,8 +264,8 @@ def read_variants(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case
         )
     table.setdefault("name", path.stem)
     cases = cases_of(table, path, overrides)
-    if sample := cases[0].sample:
-        _check_sample(sample, table, path, overrides, cases[0].swept)
+    if cases[0].sample:
+        _check_sample(cases[0], cases[0].sample, table, overrides)
     return cases
 
 
@@ -302,13 +302,17 @@ _OF_VARIANTS = re.compile(r"variants\.\d+\.(name|remove|cost)\b")
 _ANOTHER = "Not even its median is a value of the key: sample one that takes numbers with decimals, in its own range."
 
 
-def _check_sample(sample: SampleSettings, table: Table, path: Path, overrides: Sequence[str], swept: Mapping[str, Any]) -> None:
+def _check_sample(case: Case, sample: SampleSettings, table: Table, overrides: Sequence[str]) -> None:
     """Raise InputError for a distribution that reaches what its key cannot be, and a key that is swept or changes no sample."""
+    path, known = case.path, [material.name for material in case.materials]
     for number, parameter in enumerate(sample.parameters):
         place = f"{path}: sample.parameters.{number}"
         for key in parameter.key:
-            twice = any(changes.overlap(key, other) for other in swept)
-            if twice or key.partition(".")[0] in _NOT_SAMPLED or _OF_VARIANTS.match(key):
+            table_of, *named = key.split(".")
+            if table_of == "material" and named and named[0] not in known:
+                raise located(unknown_material(f"{place}.key", named[0], known), path, overrides)
+            twice = any(changes.overlap(key, other) for other in case.swept)
+            if twice or table_of in _NOT_SAMPLED or _OF_VARIANTS.match(key):
                 problem = "swept and sampled" if twice else "not to be sampled"
                 raise located(InputError(f"{place}.key", problem, found=key, expected="another key"), path, overrides)
         for share, value in zip(_LOOKED_AT, quantile(parameter, _LOOKED_AT).tolist(), strict=True):
@@ -337,16 +341,14 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
     materials = [record(Material, values, f"{file}: material.{name}", name=name) for name, values in checked["material"].items()]
     loads = _all(LoadCase, checked, "load", file)
     published = _all(Published, checked, "published", file)
-    names = [load.name for load in loads]
-    if len(set(names)) != len(names):
+    if len(set(names := [load.name for load in loads])) != len(names):
         raise InputError(f"{file}: load", "two loads of one name", found=", ".join(names), expected="a name of its own for each")
     check_published(file, published, names)
     beams, buttresses = _all(RingBeam, checked, "ring_beams", file), _all(Buttress, checked, "buttresses", file)
     for key, added in (("ring_beams", beams), ("buttresses", buttresses)):
         for number, one in enumerate(added):
             if one.material and one.material not in checked["material"]:
-                where, expected = f"{file}: {key}.{number}.material", ", ".join(checked["material"])
-                raise InputError(where, "unknown material", found=one.material, expected=expected)
+                raise unknown_material(f"{file}: {key}.{number}.material", one.material, checked["material"])
     called: list[str] = []
     bars = [(key, *numbered) for key in ("ties", "tie_candidates") for numbered in enumerate(checked.get(key, []))]
     for key, number, bar in bars:
@@ -360,8 +362,7 @@ def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: t
         raise InputError(f"{file}: buttresses.0", "a drawing gives stones, to which no buttress is bonded", remedy=remedy)
     movements = _all(MovementSettings, checked, "movements", file)
     if len(set(names := [movement.name for movement in movements])) != len(names):
-        expected = "a name of its own for each"
-        raise InputError(f"{file}: movements", "two movements of one name", found=", ".join(names), expected=expected)
+        raise InputError(f"{file}: movements", "two movements of one name", found=", ".join(names), expected="a name each")
     return Case(
         name=checked["name"],
         path=path,

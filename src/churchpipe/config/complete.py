@@ -1,6 +1,6 @@
 """Whether a case says all that its analyses need."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from churchpipe.config.carries import LOADS, Carries
@@ -41,6 +41,11 @@ def check_complete(checked: Table, file: str) -> None:
         )
     if "shell" in checked:
         _check_friction(checked, materials, file)
+
+
+def unknown_material(where: str, name: str, known: Iterable[str]) -> InputError:
+    """Return the error of a material that the case has not; known: those that it has."""
+    return InputError(where, "unknown material", found=name, expected=", ".join(known), remedy=nearest(name, known))
 
 
 def checked_for(loads: Sequence[LoadCase], carries: Carries, file: str) -> Carries:

@@ -101,7 +101,8 @@ def _body(name: str, parts: list[_Block], ground: bool) -> Body:
     faces = [tuple(node + int(o) for node in face) for part, o in zip(parts, offsets, strict=False) for face in part.faces]
     points = np.array([point for part in parts for point in part.points], dtype=np.float64).reshape(-1, 3)
     material = f"material-{parts[0].material}" if parts[0].material else "default"
-    return Body(points, faces, "block", name, material, ground, whole=len(parts) > 1, loose=True)
+    groups = tuple(dict.fromkeys(part.group for part in parts if part.group))
+    return Body(points, faces, "block", name, material, ground, whole=len(parts) > 1, loose=True, within=groups)
 
 
 def _shaping(row: int, line: str) -> Finding:

@@ -85,9 +85,10 @@ def _outside(
     share, turn = _within_wall(normal, along[owner], across[owner])
     level, upright = _aligned(normal)
     steep = leading & upright
-    flat = leading & (level | _inclined_beds(stones.count, owner, turn, np.where(leading, area * share**2, 0.0), level, upright))
+    weight = np.where(leading, area * share**2, 0.0)
+    flat = leading & (level | _inclined_beds(stones.count, owner, turn, weight, level, upright))
     squared = ((neighbours > 2) | square) & (_any(stones.count, owner[flat]) & _any(stones.count, owner[steep]))
-    weight = np.where(leading, area * share**2, 0.0) * np.where(squared[owner] & ~flat, SLIGHT, 1.0)
+    weight *= np.where(squared[owner] & ~flat, SLIGHT, 1.0)
     # Two joints at right angles have no mean direction: of the two bisectors the bed is the one across the line.
     slight = SLIGHT * np.bincount(owner, weight, minlength=stones.count)
     mean = _mean_direction(

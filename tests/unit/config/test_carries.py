@@ -132,6 +132,9 @@ def test_ties_have_names_of_their_own(tmp_path: Path) -> None:
         read_case(case_of(tmp_path, f"{CASE}\n{candidate}"))
 
 
+ENDS = {"start": "east", "end": "west"}
+
+
 def test_two_floors_of_the_same_walls_are_told_to_have_names(tmp_path: Path) -> None:
     floor = '\n[[diaphragms]]\nwalls = ["east", "west"]\nheight_m = {}\ndead_kN_m2 = 2.0\nspacing_m = 0.8\nfriction = 0.4\n'
     box = """name = "room"
@@ -146,6 +149,13 @@ direction = [1, 0, 0]
     case = read_case(case_of(tmp_path, box.format(both)))
     with pytest.raises(InputError, match=r"diaphragms\.1: two ties of one name; found east west 1; .* name = \"upper floor\""):
         placed(case.carries, derive_blocks(case.building()))
+    # A tie may have the name of a joist, one that might be added too.
+    for table in ("ties", "tie_candidates"):
+        ends = "".join(f'{end} = {{ wall = "{wall}", along_m = 1.0, height_m = 2.9 }}\n' for end, wall in ENDS.items())
+        bar = f'\n[[{table}]]\nname = "east west 2"\n{ends}area_mm2 = 400\nsteel_strength_MPa = 235\n'
+        case = read_case(case_of(tmp_path, box.format(floor.format(1.4) + bar)))
+        with pytest.raises(InputError, match=r"two ties of one name; found east west 2; .* a number\. Give the tie another name"):
+            placed(case.carries, derive_blocks(case.building()))
     named = read_case(case_of(tmp_path, box.format(floor.format(1.4) + floor.format(2.8) + 'name = "upper floor"\n')))
     assert len(placed(named.carries, derive_blocks(named.building())).ties) > 4
 

@@ -63,6 +63,33 @@ def test_a_group_around_each_stone_names_no_walls(tmp_path: Path) -> None:
     assert cp.read_stones(path, unit_weight=18e3, support="base")[0].panel.tolist() == [""] * 3
 
 
+def test_groups_of_3dec_name_walls_and_vaults(tmp_path: Path) -> None:
+    """As those of an OBJ do: the blocks of a group are numbered, and the group is their wall."""
+    groups = {"barrel": barrel(*STAGGERED), "north": spandrel(2.6, 3.0), "south": spandrel(0.0, 0.4)}
+    names = ["base", *(name for name, own in groups.items() for _ in own)]
+    solids = [box((-5, 5), (-2, 5), (-0.5, 0.5)), *(solid for own in groups.values() for solid in own)]
+    lines = []
+    for name, (points, faces) in zip(names, solids, strict=True):
+        # The program wants its faces clockwise from outside.
+        around = [" ".join(map(repr, points[face[::-1]].ravel().tolist())) for face in faces]
+        lines.append(f'block create polyhedron {" ".join(f"face {corners}" for corners in around)} group "{name}"')
+    path = tmp_path / "a.3ddat"
+    path.write_text("\n".join([*lines, 'block fix range group "base"']) + "\n")
+    read, _ = cp.read_stones(path, unit_weight=20e3)
+    assert read.panel.tolist() == [""] + ["barrel"] * 32 + ["north"] * 12 + ["south"] * 12
+    assert read.block_id[[1, 32, 33]].tolist() == ["barrel.1", "barrel.32", "north.1"]
+
+
+def test_blocks_of_3dec_joined_from_two_groups_are_of_none(tmp_path: Path) -> None:
+    """A region that is one stone, with blocks of two groups, belongs to neither wall: then no group names a part."""
+    bricks = [f"block create brick {x} {x + 1} 0 0.5 {z} {z + 0.5}" for z in (0, 0.5) for x in (0, 1, 2)]
+    ends = [' region 1 group "a"', ' region 1 group "b"', ' group "b"', ' group "a"', ' group "a"', ' group "b"']
+    path = tmp_path / "a.3ddat"
+    path.write_text("\n".join([*map(str.__add__, bricks, ends), "block join range region 1"]) + "\n")
+    read, _ = cp.read_stones(path, unit_weight=20e3, support="base")
+    assert read.panel.tolist() == [""] * 6
+
+
 def barrel(*heads: tuple[float, ...]) -> list[Solid]:
     """Nine courses of a barrel. heads: where the stones of its courses end, in turn, m."""
     angle = np.linspace(np.pi / 6, 5 * np.pi / 6, 10)
