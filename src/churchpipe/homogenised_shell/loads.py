@@ -72,8 +72,13 @@ def live_load(elements: ShellElements, load: LoadCase) -> FloatArray:
 
     Raises
     ------
-    InputError: as `live_pressure`, and as `dead_load`.
+    InputError: as `live_pressure`, and as `dead_load`; a load that multiplies what it was not given.
     """
+    if load.multiplies and (load.live is None or not load.live.any()):
+        remedy = "churchpipe.shell_loaded gives it what the building carries."
+        raise InputError(
+            f"load {load.name}", "nothing is pushed", expected=f"loads named {', '.join(load.multiplies)}", remedy=remedy
+        )
     shell = elements.shell
     share = pushed(shell, load)[len(shell.triangles) :]
     own = surface_load(elements, live_pressure(shell, load)) + _of_beams(elements, share * shell.beams.weight, load.direction)

@@ -173,7 +173,8 @@ def equilibrium(
     live[:, :3] = lateral_weight(stones, load)[:, None] * load.direction
     live += _extra("LoadCase.live", load.live, stones.count)
     if not live[free].any():
-        raise InputError(f"load {load.name}", "nothing is pushed", expected="a load on at least one free stone")
+        remedy = "churchpipe.loaded gives it what the building carries." if load.multiplies else ""
+        raise InputError(f"load {load.name}", "nothing is pushed", expected="a load on at least one free stone", remedy=remedy)
     unit = np.array([force] * 3 + [force * length] * 3)
     return Equilibrium(
         wrenches=contact_wrenches(stones, contacts, free, length, friction),

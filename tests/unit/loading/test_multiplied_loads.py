@@ -209,6 +209,14 @@ def test_nothing_to_multiply(load: cp.LoadCase, loads: list[cp.PointLoad], said:
         loaded(load, CORBEL, loads)
 
 
+def test_what_was_never_given_to_a_load_is_told_by_both_models() -> None:
+    with pytest.raises(InputError, match=r"load axle: nothing is pushed; .* churchpipe\.loaded gives it"):
+        cp.limit_analysis(CORBEL, cp.find_contacts(CORBEL), GROWING, friction=0.7)
+    shell = cp.derive_shell(WALL, element_size=1.0)
+    with pytest.raises(InputError, match=r"load axle: nothing is pushed; expected loads named axle\. churchpipe\.shell_loaded"):
+        cp.shell_limit_analysis(shell, GROWING, [cp.JointStrength("default", 0.7)])
+
+
 @pytest.mark.parametrize(
     ("keys", "said"),
     [
