@@ -16,7 +16,7 @@ from churchpipe.config.shell_table import ShellTable
 from churchpipe.dxf.carried import words
 from churchpipe.dxf.reader import Drawing
 from churchpipe.dxf.reading import Reading
-from churchpipe.model.loads import LoadCase, direction_name, load_table
+from churchpipe.model.loads import LoadCase, default_name, load_table
 from churchpipe.model.materials import Material
 from churchpipe.model.quantities import as_written, declared, written
 
@@ -108,7 +108,7 @@ def _material_table(stored: Material | None, unit_weight: float | None, friction
 
 def _load_table(load: LoadCase) -> Table:
     values = load_table(load, defaults=False)
-    if load.name == ", ".join(load.multiplies or [direction_name(load.direction)]):
+    if load.name == default_name(load.direction, load.multiplies):
         values.pop("name")
     way = {"direction": [_number(value) for value in load.direction]} if load.direction.any() else {}
     return _table(values | way)

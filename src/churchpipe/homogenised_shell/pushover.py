@@ -32,7 +32,7 @@ from churchpipe.homogenised_shell.strength import with_warning
 from churchpipe.homogenised_shell.tie_path import TiePath
 from churchpipe.model.arguments import check_call, check_kind, describe, listed
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.loads import LoadCase
+from churchpipe.model.loads import LoadCase, way_of
 from churchpipe.model.materials import JointStrength
 from churchpipe.model.names import STRENGTH
 from churchpipe.model.names import Planes as PlaneSet
@@ -184,7 +184,7 @@ class _Path:
         """Return what was found."""
         condensed, elements = self._condensed, self._condensed.elements
         displacement = elements.translations(self._motion)
-        way = _way(load)
+        way = way_of(load)
         along = displacement @ way
         node = int(along.argmax()) if control is None else control
         area = elements.weight
@@ -228,12 +228,6 @@ class _Path:
         self._steps.append(step)
         if progress:
             progress(step)
-
-
-def _way(load: LoadCase) -> FloatArray:
-    """Return the direction (3,) of a load; of one that pushes no weight, that of its live forces."""
-    push = np.zeros(3) if load.live is None else load.live[:, :3].sum(axis=0)
-    return load.direction if load.direction.any() else push / max(float(np.linalg.norm(push)), np.finfo(float).tiny)
 
 
 def _reason(state: StressState) -> str:

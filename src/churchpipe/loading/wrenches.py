@@ -52,8 +52,8 @@ def loaded(load: LoadCase, stones: Assemblage, loads: "PlacedLoads | Iterable[Ca
     Raises
     ------
     InputError
-        As `place_loads`; loads placed on other stones; wrenches of the load case that are not those of these stones; names that
-        it multiplies of which nothing is carried.
+        As `place_loads`; loads placed on other stones; wrenches of the load case that are not those of these stones; a name
+        that it multiplies and that no load has.
     """
     check_kind("loaded: load", load, LoadCase)
     check_kind("loaded: stones", stones, Assemblage)
@@ -185,7 +185,7 @@ def multiplied(load: LoadCase, placed: PlacedLoads) -> BoolArray:
 
     Raises
     ------
-    InputError: a name of which nothing is carried, or nothing that acts.
+    InputError: a name that no load has, or one that only has mass.
     """
     out = np.zeros(len(placed.load), dtype=bool)
     for name in load.multiplies or ():

@@ -19,8 +19,6 @@ _MULTIPLIES = (
 )
 # What belongs to the stones or facets of one model, and has no place in a case file.
 WRENCHES = ("dead", "live", "dead_virial", "live_virial", "dead_nodes", "live_nodes")
-
-
 _A_LOAD = "a direction, live wrenches (nb, 6), or multiplies, names of loads that the building carries"
 
 
@@ -29,21 +27,21 @@ class LoadCase(Shown):
     """A lateral load proportional to weight, or loads that the building carries, multiplied by the load factor.
 
     direction (3,) is normalised; None, kept as zeros: no weight is pushed, nothing grows but `live`. `name` defaults to the
-    direction ("+x", "-y", "(0.5, 0.866, 0)") or to "live"; `panels`: names of the panels that are pushed, None = all; profile
-    "uniform", or "linear": f_i = W_i z_i (sum W) / (sum W z), z above the lowest free point, so that the load factor stays base
-    shear over weight of the loaded part. `multiplies`: in place of a direction, names of what the building carries that the load
-    factor multiplies, such as a vehicle: without it these loads are not there. `dead` and `live` are extra wrenches (nb, 6) N and
-    Nm about the centroids: dead ones act always, live ones grow with the load factor. `dead_virial` and `live_virial` (nb, i, j)
-    Nm are the sums of r_i F_j of their forces F at points r from the centroids (i, j: axes), for paths on which stones turn, and
-    their forces with them; left out, each force acts at the point of its line nearest to the centroid. `dead_nodes` and
-    `live_nodes` (nt, k, c), of a shell, are what of the wrenches acts on corners and sides of each facet, components c: forces N
-    on the corners (k = 0, 1, 2) and on the sides from corner k - 3 to the next (k = 3, 4, 5), with the motion of the middle
-    beyond the mean of the ends, and moments Nm on the same sides (k = 6, 7, 8), with the rotation of the middle. What they leave
-    of the wrenches acts on the facet as a whole.
+    direction ("+x", "-y", "(0.5, 0.866, 0)"), to the names that are multiplied, or to "live"; `panels`: names of the panels that
+    are pushed, None = all; profile "uniform", or "linear": f_i = W_i z_i (sum W) / (sum W z), z above the lowest free point, so
+    that the load factor stays base shear over weight of the loaded part. `multiplies`: in place of a direction, names of what the
+    building carries that the load factor multiplies, such as a vehicle: at the load factor 0 these loads are not there. `dead`
+    and `live` are extra wrenches (nb, 6) N and Nm about the centroids: dead ones act always, live ones grow with the load factor.
+    `dead_virial` and `live_virial` (nb, i, j) Nm are the sums of r_i F_j of their forces F at points r from the centroids (i, j:
+    axes), for paths on which stones turn, and their forces with them; left out, each force acts at the point of its line nearest
+    to the centroid. `dead_nodes` and `live_nodes` (nt, k, c), of a shell, are what of the wrenches acts on corners and sides of
+    each facet, components c: forces N on the corners (k = 0, 1, 2) and on the sides from corner k - 3 to the next (k = 3, 4, 5),
+    with the motion of the middle beyond the mean of the ends, and moments Nm on the same sides (k = 6, 7, 8), with the rotation
+    of the middle. What they leave of the wrenches acts on the facet as a whole.
     """
 
-    direction: Annotated[FloatArray, "Where the load pushes: a vector of any length; z is up. Needed, but with `multiplies`."]
-    name: Annotated[str, 'For tables and pictures; by default the direction, such as "+x".'] = ""
+    direction: Annotated[FloatArray, "Where the load pushes: a vector of any length; z is up. Needed without `multiplies`."]
+    name: Annotated[str, 'For tables and pictures; by default the direction, such as "+x", or what it multiplies.'] = ""
     panels: Annotated[tuple[str, ...] | None, "Names of the walls that are pushed; by default all."] = None
     profile: Annotated[Literal["uniform", "linear"], "Over the height: as the weights, or growing from the ground."] = "uniform"
     multiplies: Annotated[tuple[str, ...] | None, _MULTIPLIES] = None
@@ -170,9 +168,12 @@ def load_table(load: LoadCase, *, defaults: bool = True) -> dict[str, Any]:
 
 
 def _named(name: object, direction: FloatArray, multiplies: tuple[str, ...] | None) -> str:
-    if isinstance(name, str) and not name:
-        return ", ".join(multiplies) if multiplies else direction_name(direction)
-    return text("LoadCase.name", name)
+    return default_name(direction, multiplies) if isinstance(name, str) and not name else text("LoadCase.name", name)
+
+
+def default_name(direction: FloatArray, multiplies: tuple[str, ...] | None) -> str:
+    """Return the name of a load that is given none: what it multiplies, or `direction_name`."""
+    return ", ".join(multiplies) if multiplies else direction_name(direction)
 
 
 def direction_name(direction: FloatArray) -> str:
