@@ -7,7 +7,7 @@ import numpy as np
 import shapely
 from scipy.spatial import KDTree
 
-from churchpipe.geometry.places import BENT, Lines, doubtful, forth, gathered, scatter_of, turns
+from churchpipe.geometry.places import BENT, SPREAD, Lines, doubtful, forth, gathered, scatter_of, together, turns
 from churchpipe.geometry.planar import WITHIN, Region
 from churchpipe.model.arrays import FloatArray, IntArray
 
@@ -48,13 +48,13 @@ class Net:
 
 def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     """Return what open lines (n, 2) make, with each other and with closed outlines (n, 2); indices count the outlines after the
-    lines. Ends may miss a line, or run past one, by up to a tenth of the median line.
+    lines. Ends may miss a line, or run past one, by up to a tenth of the median line: none is moved farther.
     """
     count = len(lines)
     median = float(np.median([shapely.LineString(line).length for line in lines]))
     reach, slip = SNAP * median, SLIP * median
     meant = lines
-    lines, missed = _reaching(lines, outlines, reach, slip)
+    lines = [_within(*one, slip) for one in zip(_reaching(lines, outlines, reach, slip)[0], meant, meant, strict=True)]
     # Beyond its mortar, no end of an outline without one of its sides is of one place with what lies there.
     open_ = _open_outlines(lines, outlines, reach)
     of_net = [k for k in range(count) if k not in open_]
@@ -63,8 +63,9 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     for _ in range(ROUNDS):
         sides, moved = gathered([lines[k] for k in of_net], still, reach, slip, scatter.spread)
         for k, side in zip(of_net, sides, strict=True):
-            lines[k] = side
-        lines, missed = _reaching(lines, outlines, reach, slip)
+            lines[k] = _within(side, lines[k], meant[k], slip)
+        drawn_on, missed = _reaching(lines, outlines, reach, slip)
+        lines = [_within(*one, slip) for one in zip(drawn_on, lines, meant, strict=True)]
         if not missed and moved <= STRAIGHT * median:
             break
     by = {k: float(np.linalg.norm(a - b, axis=1).max()) for k, (a, b) in enumerate(zip(lines, meant, strict=True))}
@@ -89,6 +90,11 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     return replace(net, alone=[*net.alone, *unused], mended=told, doubtful=short)
 
 
+def _within(line: FloatArray, before: FloatArray, meant: FloatArray, slip: float) -> FloatArray:
+    """Return a line (n, 2) whose points are left where they were before if they are now farther than a slip from where meant."""
+    return np.where(np.linalg.norm(line - meant, axis=1, keepdims=True) > slip, before, line)
+
+
 def _open_outlines(lines: Sequence[FloatArray], outlines: Sequence[FloatArray], reach: float) -> list[int]:
     """Return the lines (n, 2) that turn sharply twice or more and meet no other: outlines that are not closed."""
     drawn = np.array([*map(shapely.LineString, lines), *map(shapely.LinearRing, outlines)], dtype=np.object_)
@@ -111,8 +117,12 @@ def _reaching(
     targets = [*drawn, *ahead]
     tree = shapely.STRtree(targets)
     out, missed = [line.copy() for line in lines], dict[int, float]()
+    ends = KDTree(np.concatenate([line[[0, -1]] for line in lines]))
     for (k, last), ray in zip(short, ahead, strict=True):
         end = shapely.Point(lines[k][last])
+        # The third nearest is of another line where the line is so short that its own ends come first.
+        away, which = map(np.asarray, ends.query(lines[k][last], k=3, distance_upper_bound=slip))
+        beside = float(away[which // 2 != k].min())
         tail = shapely.LineString([lines[k][last] - slip * along[k, last], lines[k][last]])
         met = [(o, ray & targets[o]) for o in tree.query(ray, predicate="intersects").tolist() if owner[o] != k]
         # Two ends that point at each other, of sides of two stones in one line, do not meet between them.
@@ -123,7 +133,8 @@ def _reaching(
             tail & targets[o] for o in tree.query(tail, predicate="intersects").tolist() if o >= len(drawn) and owner[o] != k
         ]
         past = [float(shapely.distance(end, place)) for place in coming if place.length == 0]
-        if gap < min([behind[k, last], *past]):
+        # Nor does one go on far past the end of another line beside it, to a line at a small angle with its own.
+        if gap < min([behind[k, last], *past, SPREAD * beside]):
             out[k][last] += gap * along[k, last]
             missed[k] = max(gap, missed.get(k, 0.0))
     return _joined(out, outlines, missed, reach, slip)
@@ -143,7 +154,9 @@ def _joined(
         # Two ends that point at each other are of sides of two stones in one line, with mortar between them, unless they are
         # much nearer than mortar is wide.
         facing = (ways[near] @ ways[2 * k + last] < OPPOSITE) & (apart > MORTAR * reach)
-        lost = np.linalg.norm(ends[near] - lines[k][1 - last], axis=1) <= slip
+        # Nor may it come to its own other end: a side may be shorter than a slip.
+        side = float(np.linalg.norm(lines[k][0] - lines[k][1]))
+        lost = np.linalg.norm(ends[near] - lines[k][1 - last], axis=1) <= min(slip, 0.5 * side)
         apart[facing | lost | (near // 2 == k)] = np.inf
         nearest = int(np.argmin(apart))
         if apart[nearest] <= min(slip, past):
@@ -174,8 +187,9 @@ def _short(
         apart = other != own[chosen[end]]
         return chosen[end[apart]], other[apart], tails[end[apart]]
 
-    # Most ends meet a line where they are, and many others where many meet.
-    short = np.setdiff1d(np.arange(len(ends)), met(np.arange(len(ends)), reach)[0])
+    # Most ends meet the end of a line exactly, or a line where they are, and many others where many meet.
+    loose = np.flatnonzero(~together(at, own))
+    short = np.setdiff1d(loose, met(loose, reach)[0])
     end, other, tail = met(short, slip)
     past = np.full(len(ends), np.inf)
     np.minimum.at(past, end, shapely.distance(shapely.points(at[end]), shapely.intersection(tail, drawn[other])))

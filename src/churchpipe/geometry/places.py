@@ -49,9 +49,9 @@ def scatter_of(
     np.minimum.at(miss, end, shapely.distance(ends[end], drawn[other]))
     all_ = _members(mended, outlines, reach, slip)
     # Of ends alone: corners of one outline may be as near each other as its chords are short.
-    met, meant = all_.met[all_.ways.any(axis=1)], max(reach, SPREAD * _usual(miss))
-    near = np.asarray(KDTree(all_.met).query(met, k=2, distance_upper_bound=meant)[0])[:, 1]
-    return Scatter(miss, min(max(reach, SPREAD * _usual(near)), slip))
+    met, most = all_.met[all_.ways.any(axis=1)], min(max(reach, SPREAD * _usual(miss)), slip)
+    near = np.asarray(KDTree(all_.met).query(met, k=2, distance_upper_bound=most)[0])[:, 1]
+    return Scatter(miss, min(max(reach, SPREAD * _usual(near)), most))
 
 
 def gathered(
@@ -102,6 +102,13 @@ def forth(line: FloatArray, end: int) -> FloatArray:
     """Return the direction (2,) in which a line (n, 2) goes on at its first (0) or its last end (-1, or 1 of two points)."""
     side = line[0] - line[1] if end == 0 else line[-1] - line[-2]
     return side / np.linalg.norm(side)
+
+
+def together(ends: FloatArray, own: IntArray) -> BoolArray:
+    """Return which ends (n, 2) of lines `own` are exactly where an end of another line is."""
+    place = np.unique(ends, axis=0, return_inverse=True)[1].reshape(-1)
+    lines_of = np.unique(np.stack([place, own], axis=1), axis=0)[:, 0]
+    return np.bincount(lines_of)[place] > 1
 
 
 def turns(line: FloatArray) -> FloatArray:
@@ -170,7 +177,10 @@ def _meetings(at: FloatArray, ways: FloatArray, own: IntArray, drawn: Lines, rea
     back = np.minimum(slip, 0.5 * shapely.length(drawn[own]))[:, None]
     tails: Lines = np.asarray(shapely.linestrings(np.stack([at - back * ways, at + reach * ways], axis=1)), dtype=np.object_)
     ends = _points(at)
-    end, other = shapely.STRtree(drawn).query(tails, predicate="intersects")
+    # Most ends of a drawing that was made with a snap meet others exactly: they are where their places are.
+    loose = np.flatnonzero(~together(at, own))
+    end, other = shapely.STRtree(drawn).query(tails[loose], predicate="intersects")
+    end = loose[end]
     end, other = end[own[end] != other], other[own[end] != other]
     there: Lines = np.asarray(shapely.intersection(tails[end], drawn[other]), dtype=np.object_)
     order = np.lexsort([shapely.distance(ends[end], there), end])
@@ -197,10 +207,11 @@ def _grouped(all_: _Members, lines: Sequence[FloatArray], spread: float) -> list
     head = {member: member for member in group}
     for first, second in pairs.tolist():
         a, b = head[first], head[second]
-        if a == b or sides[a] & sides[b]:
+        if a == b or not sides[a].isdisjoint(sides[b]):
             continue
+        a, b = (a, b) if len(group[a]) >= len(group[b]) else (b, a)
         group[a] += group[b]
-        sides[a] |= sides[b]
+        sides[a] |= sides.pop(b)
         head |= dict.fromkeys(group.pop(b), a)
     return [np.array(sorted(members)) for members in group.values() if len(members) > 1]
 
@@ -240,17 +251,20 @@ def _on_lines_through(
     drawn = _drawn(lines, outlines)
     ends = KDTree(np.concatenate([line[[0, -1]] for line in lines]))
     through: dict[int, list[int]] = {}
-    for n, k in shapely.STRtree(drawn).query(shapely.points(points), predicate="dwithin", distance=spread).T.tolist():
-        of = [j for j in all_.own[groups[n]].tolist() if j < len(lines)]
+    there, near = shapely.STRtree(drawn).query(shapely.points(points), predicate="dwithin", distance=spread)
+    order = np.argsort(there, kind="stable")
+    first = np.searchsorted(there[order], np.arange(1, len(points)))
+    for n, by in enumerate(np.split(near[order], first)):
+        own = set(all_.own[groups[n]].tolist())
+        if own.issuperset(by.tolist()):
+            continue
+        beside = {end // 2 for end in ends.query_ball_point(points[n], spread)}
         # Where a short side begins, the line that it ends on may be near, but does not run through.
-        afar = [lines[j][end] for j in of for end in (0, -1) if np.linalg.norm(lines[j][end] - points[n]) > spread]
-        near = {2 * k, 2 * k + 1} & set(ends.query_ball_point(points[n], spread))
-        if (
-            k not in all_.own[groups[n]]
-            and not near
-            and (shapely.distance(shapely.points(np.reshape(afar, (-1, 2))), drawn[k]) > spread).all()
-        ):
-            through.setdefault(n, []).append(k)
+        far = np.concatenate([lines[k][[0, -1]] for k in sorted(own) if k < len(lines)] or [np.zeros((0, 2))])
+        afar = shapely.points(far[np.linalg.norm(far - points[n], axis=1) > spread])
+        found = [k for k in by.tolist() if k not in own | beside]
+        if found := [k for k in found if (shapely.distance(afar, drawn[k]) > spread).all()]:
+            through[n] = found
     out = points.copy()
     for n, found in through.items():
         point = shapely.Point(points[n])

@@ -159,3 +159,30 @@ def test_an_outline_without_a_side_keeps_off_the_bricks_beyond_its_mortar() -> N
     assert not net.borders
     assert not net.mended
     assert net.alone == [0]
+
+
+def fan(count: int, off: float, seed: int) -> list[FloatArray]:
+    """Lines 2 m long from one place to a rim of a side between every two of them; each end is off by up to `off` both ways."""
+    angle = 2 * np.pi * np.arange(count) / count
+    rim = 2 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    lines = [np.array([[0.0, 0.0], point]) for point in rim] + list(np.stack([rim[:-1], rim[1:]], axis=1))
+    rng = np.random.default_rng(seed)
+    return [line + rng.uniform(-off, off, (2, 2)) for line in lines]
+
+
+@pytest.mark.parametrize(("count", "off"), [(100, 0.003), (100, 0.01), (200, 0.005)])
+@pytest.mark.parametrize("seed", range(2))
+def test_many_ends_of_one_place_move_no_farther_than_they_miss_each_other(count: int, off: float, seed: int) -> None:
+    # Two corners of the square within which the ends of a place lie are 2 sqrt(2) off apart.
+    net = net_of(fan(count, off, seed), [])
+    assert len(net.meshes) == count - 1
+    assert max(net.mended.values()) <= 2 * np.sqrt(2) * off
+
+
+@pytest.mark.parametrize(("past", "off"), [(0.04, 0.0), (0.04, 0.01), (0.05, 0.03)])
+@pytest.mark.parametrize("seed", range(4))
+def test_no_end_moves_farther_than_a_tenth_of_the_median_line(past: float, off: float, seed: int) -> None:
+    # Ends that miss each other by more than the documented tenth are tried too, in several steps.
+    lines = drawn(masonry(seed), past, off, seed)
+    median = float(np.median([np.linalg.norm(line[1] - line[0]) for line in lines]))
+    assert max(net_of(lines, []).mended.values()) <= 0.1 * median
