@@ -8,6 +8,7 @@ from churchpipe.bond.field import Field
 from churchpipe.bond.slivers import LEAST_HEIGHT, LEAST_WIDTH, merge_slivers
 from churchpipe.bond.tiles import TileSet, tiles_of
 from churchpipe.errors import InputError
+from churchpipe.geometry.charts import ALONG
 from churchpipe.geometry.planar import (
     Polygons,
     Region,
@@ -170,7 +171,7 @@ def cut(cells: Polygons, course: IntArray, solid: Region, where: str) -> tuple[P
         raise InputError(
             where,
             "an opening lies inside one stone",
-            found=f"near s = {s:g}, t = {t:g} m",
+            found=f"near {s:.4g} {ALONG} and {t:.4g} m up",
             remedy="Make the opening larger, the stones shorter, or leave it out.",
         )
     return polygons, courses

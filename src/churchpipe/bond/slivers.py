@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.charts import ALONG
 from churchpipe.geometry.planar import Polygons, areas, bounds, has_hole, polygons_of, shared_edges, united
 from churchpipe.geometry.polygons import TOLERANCE, corners
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
@@ -99,7 +100,7 @@ def _error(sliver: Polygons, cell: UnitCell, where: str, problem: str) -> InputE
     return InputError(
         where,
         problem,
-        found=f"{high_s - low_s:.4g} x {high_t - low_t:.4g} m, {low_s:.4g} m along the wall and {low_t:.4g} m up",
+        found=f"{high_s - low_s:.4g} x {high_t - low_t:.4g} m, {low_s:.4g} {ALONG} and {low_t:.4g} m up",
         expected=f"at least {LEAST_WIDTH * cell.b:.4g} x {LEAST_HEIGHT * cell.a:.4g} m",
         remedy="Move openings, ends of lintels or joints, or use shorter stones.",
     )

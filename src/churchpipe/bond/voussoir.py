@@ -7,6 +7,7 @@ import numpy as np
 from churchpipe.bond.field import Field
 from churchpipe.bond.tiles import TileSet, tiles_of
 from churchpipe.errors import InputError
+from churchpipe.geometry.charts import ALONG
 from churchpipe.geometry.planar import (
     Polygons,
     area,
@@ -73,7 +74,7 @@ class VoussoirRing:
         missing = ring - float(common_areas(stones, field.solid).sum())
         if missing > TOLERANCE * ring:
             low_s, low_t, high_s, high_t = extent(less(united(stones), [field.solid]))
-            place = f"from {low_s:.4g} to {high_s:.4g} m along the wall and from {low_t:.4g} to {high_t:.4g} m up"
+            place = f"from {low_s:.4g} to {high_s:.4g} {ALONG} and from {low_t:.4g} to {high_t:.4g} m up"
             raise InputError(
                 field.name,
                 "the ring touches a junction (also of a buttress), an opening, a lintel, another ring or the end of the wall",

@@ -12,7 +12,7 @@ from churchpipe.bond.tiles import TileSet, join, sorted_by_course
 from churchpipe.bond.voids import voids_of
 from churchpipe.bond.zones import Band, bands_of
 from churchpipe.errors import InputError
-from churchpipe.geometry.charts import check_upright, closes
+from churchpipe.geometry.charts import ALONG, check_upright, closes, counted_from
 from churchpipe.geometry.planar import Region, area, boxes, common, extent, less, polygon, why_invalid
 from churchpipe.model.building import CylinderChart, Panel
 
@@ -52,7 +52,8 @@ def lay_wall(panel: Panel, solid: Region, junctions: WallJunctions) -> TileSet:
             raise InputError(
                 f"wall {panel.name}, {error.where}",
                 error.problem,
-                found=error.found,
+                # A bond lies in flat coordinates: only here it is known where they are.
+                found=f"{error.found}, {counted_from(panel.chart)}" if ALONG in str(error.found) else error.found,
                 expected=error.expected,
                 remedy=error.remedy,
             ) from error

@@ -10,6 +10,7 @@ import numpy as np
 from churchpipe.dxf.stones import Stone
 from churchpipe.errors import InputError
 from churchpipe.findings import Finding, Place
+from churchpipe.geometry.charts import ALONG, counted_from
 from churchpipe.model.arrays import FloatArray, ragged_indices
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Building, Panel
@@ -138,10 +139,11 @@ def _bearings(panel: Panel, lintels: Sequence[LaidLintel], asked: float, place: 
         return []
     listed = "; ".join(
         f"{one.bearing[0]:.3g} m on the left and {one.bearing[1]:.3g} m on the right of the opening from {one.head.start:.4g} to "
-        f"{one.head.stop:.4g} m, {one.head.level:.4g} m high"
+        f"{one.head.stop:.4g} {ALONG}, {one.head.level:.4g} m high"
         for one in other
     )
     found = f'"{panel.name}": lintels do not bear {asked:.3g} m where other openings, walls or ends are near: {listed}'
+    found += f", {counted_from(panel.chart)}"
     return [place.finding("W28", found, remedy="Draw the lintel as an outline on a layer LINTEL if it is another.")]
 
 
@@ -203,8 +205,8 @@ def _overhangs(panel: Panel, walls: Sequence[Panel], supports: Sequence[FloatArr
     if is_single(panel) or not (found := overhangs(panel, walls, supports)):
         return []
     what = (
-        f'"{panel.name}": masonry that is {FREE}: {"; ".join(map(str, found))}. Friction of head joints and the weight of the '
-        "wall on its other end hold it, and a lintel on it bears on what hangs"
+        f'"{panel.name}": masonry that is {FREE}: {"; ".join(map(str, found))}, {counted_from(panel.chart)}. Friction of head '
+        "joints and the weight of the wall on its other end hold it, and a lintel on it bears on what hangs"
     )
     remedy = "Draw what bears its free end, such as a pier, or one head at one height from side to side with a lintel over it."
     return [place.finding("W28", what, remedy=remedy)]

@@ -8,7 +8,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry import planar
-from churchpipe.geometry.charts import footprint_of, lift
+from churchpipe.geometry.charts import ALONG, counted_towards, footprint_of, lift
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Junction, Panel, PlaneChart
@@ -154,6 +154,6 @@ def _place(where: str, wall: Panel, chart: PlaneChart, along: float, width: floa
             f"{where}: width", f"wider than the wall {wall.name}", found=f"{width:g} m", expected=f"at most {s[1] - s[0]:g} m"
         )
     if not width / 2 - _WHOLE <= along <= s[1] - s[0] - width / 2 + _WHOLE:
-        expected = f"{width / 2:g} to {s[1] - s[0] - width / 2:g} m along it"
+        expected = f"{width / 2:g} to {s[1] - s[0] - width / 2:g} {ALONG}, {counted_towards(start, axis)}"
         raise InputError(f"{where}: along", f"beyond the wall {wall.name}", found=f"{along:g} m", expected=expected)
     return start + along * axis

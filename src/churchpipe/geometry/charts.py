@@ -11,6 +11,8 @@ from churchpipe.model.building import Chart, CylinderChart, Panel, PlaneChart
 
 # Angle of each chord of a curved wall whose head joints are not known yet.
 PLAN_STEP = np.radians(2.0)
+# How messages call a place s of a wall; those that do say as well what it is counted from.
+ALONG = "m along the wall"
 
 
 def normals(chart: Chart, points: FloatArray) -> FloatArray:
@@ -35,6 +37,25 @@ def lift(chart: Chart, points: FloatArray, offset: npt.ArrayLike = 0.0) -> Float
 def _on_arc(chart: CylinderChart, s: FloatArray) -> FloatArray:
     """Return s (n,) m. The straight legs at the ends of an arc have the s of the arc's end."""
     return np.clip(s, 0.0, chart.radius * chart.sweep) if chart.sweep < 2 * np.pi else s
+
+
+def counted_from(chart: Chart) -> str:
+    """Return how messages say from where, and which way, places s along a wall are counted."""
+    start = lift(chart, np.zeros((1, 2)))[0]
+    return counted_towards(start, chart.s_axis if isinstance(chart, PlaneChart) else None)
+
+
+def counted_towards(start: FloatArray, axis: FloatArray | None) -> str:
+    """Return how messages say that lengths are counted from a point (2,) or (3,) m along an axis; None: of a round wall."""
+    x, y = (np.round(start[:2], 3) + 0.0).tolist()
+    return f"counted from x = {x:.9g}, y = {y:.9g} m " + ("counter-clockwise in plan" if axis is None else f"towards {way(axis)}")
+
+
+def way(axis: FloatArray) -> str:
+    """Return how messages call a level direction, (2,) or (3,)."""
+    east, north = (np.round(axis[:2], 3) + 0.0).tolist()
+    named = {(1.0, 0.0): "+x", (-1.0, 0.0): "-x", (0.0, 1.0): "+y", (0.0, -1.0): "-y"}
+    return named.get((east, north), f"({east:g}, {north:g})")
 
 
 def base_level(chart: Chart) -> float:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.charts import way
 from churchpipe.model.arrays import FloatArray, IntArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
@@ -44,10 +45,8 @@ class WallLine:
     @property
     def way(self) -> str:
         """How messages say along which side of the wall, or of a vault, places are measured, and from where."""
-        east, north = (self.axis.round(3) + 0.0).tolist()
-        named = {(1.0, 0.0): "+x", (0.0, 1.0): "+y"}.get((east, north), f"({east:g}, {north:g})")
         x, y = (self.origin.round(3) + 0.0).tolist()
-        return f"along its longer side in plan, {named} from ({x:g}, {y:g})"
+        return f"along its longer side in plan, {way(self.axis)} from ({x:g}, {y:g})"
 
     def side(self, where: str, toward: FloatArray) -> float:
         """Return 1 or -1: which side of the wall a direction (3,) names.

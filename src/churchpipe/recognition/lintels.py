@@ -9,6 +9,7 @@ import numpy as np
 from churchpipe.bond.junction import wall_junctions
 from churchpipe.bond.walls import wall_region
 from churchpipe.errors import InputError
+from churchpipe.geometry.charts import ALONG, counted_from
 from churchpipe.geometry.planar import Polygons, Region, area, boxes, common, extent, less, pieces, polygon, rings
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Panel
@@ -226,7 +227,7 @@ def _no_room(
         panel.name,
         "no room for a lintel over an opening",
         found=f"{own[0]:.3g} m on the left, {own[1]:.3g} m on the right and {above - head.level:.3g} m above the opening from "
-        f"{head.start:.4g} to {head.stop:.4g} m along the wall, whose head is {head.level:.4g} m high"
+        f"{head.start:.4g} to {head.stop:.4g} {ALONG}, {counted_from(panel.chart)}; its head is {head.level:.4g} m high"
         + (f", beside {' and '.join(there)}" if there else ""),
         expected=f"wall on both sides, {LEAST_BEARING * bearing:.3g} m at least, and {LEAST_HEIGHT:g} of a course above it",
         remedy=remedy,

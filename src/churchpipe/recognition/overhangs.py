@@ -7,7 +7,7 @@ import numpy as np
 
 from churchpipe.bond.walls import wall_region
 from churchpipe.errors import InputError
-from churchpipe.geometry.charts import along, base_level, footprint_of, lift
+from churchpipe.geometry.charts import ALONG, along, base_level, counted_from, footprint_of, lift
 from churchpipe.geometry.planar import contains, extent, polygon
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.building import Panel
@@ -29,7 +29,7 @@ class Overhang:
     level: float
 
     def __str__(self) -> str:
-        return f"from {self.start:.4g} to {self.stop:.4g} m along the wall, {self.level:.4g} m high"
+        return f"from {self.start:.4g} to {self.stop:.4g} {ALONG}, {self.level:.4g} m high"
 
 
 def overhangs(panel: Panel, walls: Sequence[Panel] = (), supports: Sequence[FloatArray] = ()) -> list[Overhang]:
@@ -75,8 +75,9 @@ def hanging(panels: Sequence[Panel]) -> Iterator[str]:
                 f"usual are {1e3 * SEAT:g} mm and more, as edges spall, and heights and bearings above a fiftieth of the length."
             )
         if found := overhangs(panel, walls):
+            places = f"{'; '.join(map(str, found))}, {counted_from(panel.chart)}"
             yield (
-                f'"{panel.name}" has masonry that is {FREE}: {"; ".join(map(str, found))}. Friction of head joints and the '
+                f'"{panel.name}" has masonry that is {FREE}: {places}. Friction of head joints and the '
                 "weight of the wall on its other end hold it, and a lintel on it bears on what hangs."
             )
 

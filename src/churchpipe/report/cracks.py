@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.geometry.charts import counted_towards
 from churchpipe.mechanism import stone_of_point
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -48,6 +49,15 @@ def crack_map_svg(stones: Assemblage, contacts: Contacts, opening: FloatArray, w
     axes.set_xlabel("m along the wall", fontsize=8)
     axes.set_ylabel("height, m", fontsize=8)
     return svg_of(plot)
+
+
+def counted_on(stones: Assemblage, wall: str) -> str:
+    """Return from where lengths along the crack map of a wall are counted."""
+    corners = np.isin(stone_of_point(stones), np.flatnonzero((stones.panel == wall) & ~stones.fixed))
+    plan = stones.points[corners, :2]
+    axis = _direction(plan)
+    reach, middle = plan @ axis, plan.mean(axis=0)
+    return counted_towards(middle + (reach.min() - middle @ axis) * axis, axis)
 
 
 def _draw(plot: Any, axes: Any, outlines: list[FloatArray], lines: list[FloatArray], width: FloatArray) -> None:

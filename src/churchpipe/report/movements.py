@@ -12,7 +12,7 @@ from churchpipe.model.contacts import Contacts
 from churchpipe.model.quantities import in_unit
 from churchpipe.model.settlement import SettlementPath
 from churchpipe.report import colours
-from churchpipe.report.cracks import crack_map_svg
+from churchpipe.report.cracks import counted_on, crack_map_svg
 from churchpipe.report.plots import WIDTH, new_plot, svg_of
 from churchpipe.report.table import figure, minus, named_of
 
@@ -93,5 +93,6 @@ def _maps(record: Movement, stones: Assemblage, contacts: Contacts, path: Settle
             opening, _ = path_cracks(stones, contacts, path, step)
             drawn = crack_map_svg(stones, contacts, np.where(bears, opening, 0.0), wall)
             if drawn:
-                maps.append((f"{wall or 'Stones of no wall'}, movement {movement[step]:.3g} {length}", drawn))
+                words = f"{wall or 'Stones of no wall'}, movement {movement[step]:.3g} {length}"
+                maps.append((f"{words}; lengths {counted_on(stones, wall)}", drawn))
     return maps

@@ -14,7 +14,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.block_curve import BlockCapacityCurve
 from churchpipe.model.contacts import Contacts
 from churchpipe.report.block_curves import curve_label
-from churchpipe.report.cracks import crack_map_svg
+from churchpipe.report.cracks import counted_on, crack_map_svg
 from churchpipe.report.figures import Job, mechanism_picture
 from churchpipe.report.frames import frames, placed
 from churchpipe.report.motion import push_direction, viewpoint
@@ -88,7 +88,8 @@ def crack_maps(stones: Assemblage, contacts: Contacts, followed: Sequence[Follow
         for name in chosen[:_WALLS]:
             drawn = crack_map_svg(stones, contacts, opening, name)
             if drawn:
-                out.append((f"{path_label(record)}, {name or 'stones of no wall'}, {_words(curve, step)}", drawn))
+                words = f"{path_label(record)}, {name or 'stones of no wall'}, {_words(curve, step)}"
+                out.append((f"{words}; lengths {counted_on(stones, name)}", drawn))
     return out
 
 

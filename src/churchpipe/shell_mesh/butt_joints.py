@@ -15,6 +15,7 @@ from churchpipe.bond.junction import wall_junctions
 from churchpipe.bond.period import BondName, bond_name
 from churchpipe.bond.walls import wall_region
 from churchpipe.errors import InputError
+from churchpipe.geometry.charts import ALONG, counted_from
 from churchpipe.geometry.polygons import TOLERANCE
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Panel
@@ -58,7 +59,7 @@ def _strips(panel: Panel, stretches: Sequence[FloatArray]) -> list[BondRegion]:
             raise InputError(
                 f"wall {panel.name}",
                 "the shell has no butt joint of a wall that goes on behind the other one",
-                found=f"from {s0:g} m to {s1:g} m along it",
+                found=f"from {s0:.4g} to {s1:.4g} {ALONG}, {counted_from(panel.chart)}",
                 remedy="Rigid blocks take it as it is.",
             )
         outline = np.array([[s0, t0], [s1, t0], [s1, t1], [s0, t1]])

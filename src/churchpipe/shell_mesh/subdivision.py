@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.geometry.charts import base_level
+from churchpipe.geometry.charts import ALONG, base_level, counted_from
 from churchpipe.geometry.clusters import NODE_TOLERANCE, clusters
 from churchpipe.geometry.noding import faces_between
 from churchpipe.geometry.planar import (
@@ -126,7 +126,7 @@ def _bond_of(surface: MidSurface, faces: Sequence[Polygon]) -> IntArray:
         raise InputError(
             f"wall {surface.panel.name}",
             "a part of the wall has no bond",
-            found=f"near s = {place[0]:.4g}, t = {place[1]:.4g} m",
+            found=f"near {place[0]:.4g} {ALONG} and {place[1]:.4g} m up, {counted_from(surface.panel.chart)}",
             expected="bond regions that cover the wall",
         )
     return bond

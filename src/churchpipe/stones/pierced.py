@@ -9,7 +9,7 @@ import numpy as np
 from churchpipe.bond.tiles import TileSet, tiles_of
 from churchpipe.bond.voids import Void, to_view
 from churchpipe.errors import InputError
-from churchpipe.geometry.charts import lift, normals
+from churchpipe.geometry.charts import ALONG, counted_from, lift, normals
 from churchpipe.geometry.manifolds import manifold, polyhedron
 from churchpipe.geometry.planar import bounds, boxes
 from churchpipe.model.arrays import FloatArray, IntArray
@@ -54,7 +54,8 @@ def pierced_solids(panel: Panel, chart: CylinderChart, tiles: TileSet, voids: Se
             if _meet(chart, void, bounded[number]):
                 left = manifold(points, faces) - _prism(chart, void, void.outer)
                 if len(left.decompose()) != 1:
-                    place = f"s = {bounded[number][0]:.4g} to {bounded[number][2]:.4g}, t = {bounded[number][1]:.4g} m"
+                    low, up, high, _ = bounded[number]
+                    place = f"from {low:.4g} to {high:.4g} {ALONG} and {up:.4g} m up, {counted_from(chart)}"
                     raise InputError(
                         f"wall {panel.name}",
                         "an arched opening cuts a stone in two, or away",

@@ -203,7 +203,7 @@ def _check_free(stones: Assemblage, beam: RingBeam, stretch: _Stretch, solid: Po
     found = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
     remedy = "Let it stop short of them: from_m and to_m of a case, begin and end in Python."
     if single and (free := _free_stretch(stones, stretch, inside)):
-        remedy = f"Let it stop short of them: from {free[0]:.6g} to {free[1]:.6g} m along the wall (from_m and to_m)."
+        remedy = f"Let it stop short of them: from {free[0]:.6g} to {free[1]:.6g} m along the wall (from_m and to_m), {wall.way}."
     raise InputError(
         where, "it runs into stones that stand higher", found=found, expected="a free top of the wall", remedy=remedy
     )

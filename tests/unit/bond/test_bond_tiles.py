@@ -106,7 +106,7 @@ def test_corners_are_lean_and_counter_clockwise():
 
 def test_an_opening_inside_one_stone_is_an_error():
     wall = less(polygon(rectangle(0, 0, 0.4, 0.03)), [polygon(rectangle(0.02, 0.01, 0.06, 0.02))])
-    with pytest.raises(InputError, match="an opening lies inside one stone; found near s = 0"):
+    with pytest.raises(InputError, match="an opening lies inside one stone; found near 0 m along the wall and 0 m up"):
         RunningBond(UnitCell(0.03, 0.08), "grid", 0.0, 0.04).tiles(Field("wall", wall, (0.0, 0.4)))
 
 

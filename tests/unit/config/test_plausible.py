@@ -332,7 +332,10 @@ def test_a_wall_of_a_house_that_all_but_meets_another_is_questioned(
 @pytest.mark.parametrize(
     ("openings", "asked"),
     [
-        ([(1.0, 1.0, 5, 0.0), (2.0, 1.0, 7, 0.0)], "from 1 to 2 m along the wall, 1 m high"),
+        (
+            [(1.0, 1.0, 5, 0.0), (2.0, 1.0, 7, 0.0)],
+            "from 1 to 2 m along the wall, 1 m high, counted from x = 0, y = 0.15 m towards +x",
+        ),
         ([(3.0, 1.0, 5, 0.0)], "from 3 to 4 m along the wall, 1 m high"),
         ([(1.0, 1.0, 5, 0.0)], "1 opening with a flat head and no lintel"),
         ([(1.0, 1.0, 5, 0.2)], ""),

@@ -1,6 +1,7 @@
 """Charts, footprints and the solids made of tiles."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 from churchpipe.bond.parts import part_names
 from churchpipe.bond.tiles import TileSet, tiles_of
 from churchpipe.errors import InputError
-from churchpipe.geometry.charts import along, check_upright, footprint, lift, normals
+from churchpipe.geometry.charts import along, check_upright, counted_from, footprint, lift, normals
 from churchpipe.geometry.planar import area, polygon, polygons_of
 from churchpipe.model.building import BondRegion, CylinderChart, Panel, Part, PlaneChart, UnitCell
 from churchpipe.model.polyhedra import solid_properties
@@ -119,3 +120,16 @@ def test_stones_of_a_curved_wall_bend_at_every_joint_of_the_wall():
 def test_a_sloping_edge_in_a_curved_wall_is_an_error():
     with pytest.raises(InputError, match="a sloping edge; expected upright and level edges"):
         thicken(APSE, 0.4, tile((0, 0), (1, 0), (1, 1), (0, 0.5)))
+
+
+@pytest.mark.parametrize(
+    ("chart", "words"),
+    [
+        (WALL, "counted from x = 1, y = 2 m towards +y"),
+        (replace(WALL, s_axis=(0.6, -0.8, 0.0)), "counted from x = 1, y = 2 m towards (0.6, -0.8)"),
+        (APSE, "counted from x = 3, y = 2 m counter-clockwise in plan"),
+        (replace(WALL, origin=(4512345.6785, 0, 0), s_axis=(-1, 0, 0)), "counted from x = 4512345.68, y = 0 m towards -x"),
+    ],
+)
+def test_places_along_a_wall_say_where_they_begin(chart: PlaneChart | CylinderChart, words: str) -> None:
+    assert counted_from(chart) == words

@@ -79,7 +79,7 @@ def test_pictures_of_steps_that_are_not_proved_say_so(curve: cp.BlockCapacityCur
     assert half_way.endswith(", not proved")
     assert end.endswith(", no equilibrium")
     ((words, _),) = crack_maps(STONES, CONTACTS, [(RECORD, jumps)])
-    assert words.endswith(", not proved")
+    assert ", not proved; lengths counted from" in words
     assert viewer_path(STONES, RECORD, jumps, origin_of(STONES))["path"]["words"][0] == "0 mm, load factor 0.2000"
     assert not any("proved" in label for label, _, _ in snapshots(STONES, [(RECORD, curve)], tmp_path))
 
@@ -110,6 +110,7 @@ def test_crack_maps_show_walls_that_open_at_their_ground_alone() -> None:
     assert curve.initial == pytest.approx(0.15, rel=1e-6)
     ((words, _),) = crack_maps(stones, contacts, [(RECORD, curve)])
     assert "post" in words
+    assert words.endswith("lengths counted from x = 3.15, y = 0 m towards +y")
 
 
 def test_crack_maps_begin_at_the_end_of_their_wall() -> None:

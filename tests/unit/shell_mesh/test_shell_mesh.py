@@ -318,7 +318,10 @@ def test_a_wall_that_rests_on_nothing_is_named():
 def test_a_part_without_a_bond_is_an_error():
     building = wall(length=1.0, brick=(0.2, 0.1, 0.05), courses=4)
     half = replace(building.panels[0].regions[0], outline=rectangle(0.5, 0.2))
-    with pytest.raises(InputError, match=r"wall wall: a part of the wall has no bond; found near s = 0\.75"):
+    with pytest.raises(
+        InputError,
+        match=r"found near 0\.75 m along the wall and 0\.1 m up, counted from x = 0, y = 0\.05 m towards \+x",
+    ):
         derive_shell(replace(building, panels=(replace(building.panels[0], regions=(half,)),)), 0.1)
 
 

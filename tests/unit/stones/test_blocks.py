@@ -199,7 +199,10 @@ def test_what_cuts_a_ring_is_said_with_its_place():
     window = {"name": "window", "wall": "nave_left", "centre": 2.5, "width": 0.7, "springing": 2.4, "voussoirs": 7, "depth": 0.35}
     nave = chapel(course=0.4, stone_length=0.8, width=6.0, length=9.0, height=4.0, thickness=1.0, openings=[window])
     building = with_buttresses(nave, [Buttress("nave_left", [4.0], toward="-x", width=0.8, depth=1.0)])
-    with pytest.raises(InputError, match=r"cut away, from 3\.1 to 3\.2 m along the wall and from 2.4 to .* m up"):
+    with pytest.raises(
+        InputError,
+        match=r"away, from 3\.1 to 3\.2 m along the wall and from 2.4 to .* m up, counted from x = -2\.5, y = 0 m towards \+y",
+    ):
         derive_blocks(building)
 
 
