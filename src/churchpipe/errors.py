@@ -3,14 +3,33 @@
 import re
 from typing import Any
 
-# What would steer a terminal, or turn the direction of what follows.
-_STEERING = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u202a-\\u202e\\u2066-\\u2069]")
+# Halves of a character beyond the first 65536, as a text cut in two leaves them: no file can hold them.
+_HALVES = re.compile("[\\ud800-\\udfff]")
+# What would steer a terminal, turn the direction of what follows, or cannot be written to it.
+_STEERING = re.compile("[\\x00-\\x08\\x0b-\\x1f\\x7f-\\x9f\\u202a-\\u202e\\u2066-\\u2069\\ud800-\\udfff]")
 INSTALL = "pip install 'churchpipe[all]' installs all that churchpipe can use."
 
 
 def steers(text: str) -> bool:
     """Return whether a text has characters that would steer a terminal, or turn the direction of what follows."""
     return bool(_STEERING.search(text))
+
+
+def halved(text: str) -> bool:
+    """Return whether a text has half of a character."""
+    return bool(_HALVES.search(text))
+
+
+def check_whole(where: str, text: str) -> None:
+    """Raise InputError for a text that no file can hold, since it has half of a character."""
+    if halved(text):
+        raise InputError(
+            where,
+            "half of a character, which no file can hold",
+            found=repr(text)[:60],
+            expected="whole characters",
+            remedy="A text that was cut, or read as UTF-16, leaves such halves: give the whole name.",
+        )
 
 
 class InputError(ValueError):

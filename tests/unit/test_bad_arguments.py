@@ -86,6 +86,29 @@ def test_columns_of_an_assemblage(changed: dict[str, Any], said: str) -> None:
         cp.Assemblage.from_polyhedra([GIVEN, ABOVE], **arguments)
 
 
+HALF = "a\ud800b"
+HALVED: list[tuple[Callable[[], object], str]] = [
+    (lambda: cp.Assemblage.from_polyhedra([GIVEN], 18e3, panel=HALF), "panel"),
+    (lambda: cp.Assemblage.from_polyhedra([GIVEN], 18e3, block_id=[HALF]), "block_id"),
+    (lambda: cp.Assemblage.from_polyhedra([GIVEN], 18e3, material=HALF), "material"),
+    (lambda: replace(STONES, panel=np.array([HALF] * STONES.count)), "Assemblage.panel"),
+    (lambda: cp.LoadCase((1, 0, 0), name=HALF), "LoadCase.name"),
+    (lambda: cp.LoadCase((1, 0, 0), panels=["a", HALF]), r"LoadCase.panels\[1\]"),
+    (lambda: cp.PointLoad("a", 1.0, dead=1e3, name=HALF), "point load: name"),
+    (lambda: cp.LineLoad(dead=1e3, wall=HALF), "line load: wall"),
+    (lambda: cp.Material(HALF, 18e3, 0.6), "material: name"),
+    (lambda: Part(HALF, [[0, 0], [1, 0], [1, 1]]), "Part.name"),
+]
+
+
+@pytest.mark.parametrize(("call", "where"), HALVED)
+def test_a_name_with_half_of_a_character_is_refused_where_it_is_given(call: Callable[[], object], where: str) -> None:
+    # Found by the first file that is written, it would be a UnicodeEncodeError from the depths.
+    with pytest.raises(InputError, match=rf"{where}: half of a character.*found 'a\\ud800b'; expected whole") as raised:
+        call()
+    assert str(raised.value).encode()
+
+
 def test_a_value_for_all_and_one_each_are_taken() -> None:
     pair = [GIVEN, ABOVE]
     stones = cp.Assemblage.from_polyhedra(iter(pair), [18e3, 20e3], material="tuff", course=[0, 1], block_id=("a", "b"))

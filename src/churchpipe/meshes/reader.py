@@ -30,7 +30,7 @@ from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.slivers import slivers
 from churchpipe.dxf.stones import Stone
 from churchpipe.dxf.units import length_text, plausible, unit_hint
-from churchpipe.errors import InputError
+from churchpipe.errors import InputError, halved
 from churchpipe.findings import Finding, Findings, FindingsError
 from churchpipe.meshes.coarse import coarse
 from churchpipe.meshes.compas import read_compas
@@ -183,7 +183,15 @@ def read_source(path: Path) -> Source:
     if reader is None:
         found = f'a file that ends in "{path.suffix}"' if path.suffix else "a file whose name has no suffix"
         raise refused(path, "import", "E01", found, expected=f"one of {FORMATS}", remedy="Export it in one of these formats.")
-    return reader(path)
+    source = reader(path)
+    for text in {text for body in source.bodies for text in (body.name, body.material, *body.within)}:
+        if halved(text):
+            found, remedy = (
+                f"the name {text!r} has half of a character, which no file can hold",
+                "Export it again with another name.",
+            )
+            raise refused(path, source.reader, "E03", found, expected="names of whole characters", remedy=remedy)
+    return source
 
 
 def files_of(path: Path) -> tuple[Path, ...]:

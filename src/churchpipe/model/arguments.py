@@ -8,7 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any, cast
 
-from churchpipe.errors import InputError
+from churchpipe.errors import InputError, check_whole
 
 _LEAST = 1e-6
 
@@ -43,6 +43,8 @@ def listed(where: str, value: Any, *kinds: type) -> list[Any]:
         raise _no_list(where, cast("object", value), *kinds) from None
     for number, item in enumerate(items):
         check_kind(f"{where}[{number}]", item, *kinds)
+        if isinstance(item, str):
+            check_whole(f"{where}[{number}]", item)
     return items
 
 
@@ -104,6 +106,7 @@ def text(where: str, value: object) -> str:
     """
     if not isinstance(value, str) or not value:
         raise InputError(where, "no name", found=describe(value), expected="a text")
+    check_whole(where, value)
     return value
 
 
@@ -116,6 +119,7 @@ def text_or_empty(where: str, value: object) -> str:
     """
     if not isinstance(value, str):
         raise InputError(where, "not a text", found=describe(value), expected="a text")
+    check_whole(where, value)
     return value
 
 

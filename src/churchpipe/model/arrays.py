@@ -8,7 +8,7 @@ from typing import Any, cast, get_type_hints
 import numpy as np
 import numpy.typing as npt
 
-from churchpipe.errors import InputError
+from churchpipe.errors import InputError, check_whole
 from churchpipe.model.arguments import describe
 
 # Written out, because dataclasses are read by their annotations: from NumPy 2.5 on NDArray is an alias that hides ndarray.
@@ -128,6 +128,8 @@ def names(name: str, value: npt.ArrayLike, shape: Sequence[int | None]) -> NameA
     """Return `value` as a read-only array of strings of the given shape."""
     array = array_of(name, value, "Uiu", "texts").astype(np.str_, copy=False)
     _check_shape(name, array, shape)
+    for text in set(array.ravel().tolist()):
+        check_whole(name, text)
     return _frozen(array, value)
 
 

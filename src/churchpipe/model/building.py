@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, cast, get_args
 import numpy as np
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of, positive, text, whole
+from churchpipe.model.arguments import check_kind, describe, finite, listed, one_of, positive, text, text_or_empty, whole
 from churchpipe.model.arrays import FloatArray, ReadOnly, flags, floats, indices, store
 from churchpipe.model.materials import UnitWeight
 from churchpipe.model.quantities import MOST_COUNTED, Distance, Quantity
@@ -104,7 +104,7 @@ class BondRegion(ReadOnly):
         one_of(f"{where}.headers", self.headers, *get_args(Headers))
         finite(f"{where}.through_offset", self.through_offset)
         whole(f"{where}.pieces", self.pieces, least=0)
-        check_kind(f"{where}.material", self.material, str)
+        text_or_empty(f"{where}.material", self.material)
         if self.centre is not None:
             floats(f"{where}.centre", self.centre, (2,))
         store(

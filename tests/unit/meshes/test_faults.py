@@ -286,6 +286,15 @@ def test_a_block_of_json_that_lost_its_vertices_or_faces_is_missed(key: str, old
         cp.read_stones(path, units="m", unit_weight=2e4)
 
 
+def test_a_name_in_json_with_half_of_a_character_is_refused(tmp_path: Path) -> None:
+    stones = cp.Assemblage.from_polyhedra([(body[1], body[2]) for body in (GROUND, *TOWER)], unit_weight=2e4, fixed=[0])
+    path = write_compas(stones, tmp_path / "wall.json")
+    path.write_text(path.read_text().replace('"name": "Block"', '"name": "a\\ud800b"'))
+    with pytest.raises(FindingsError, match=r"compas/E03 wall.json: the name 'a\\ud800b' has half of a character") as raised:
+        cp.read_stones(path, unit_weight=2e4)
+    assert str(raised.value).encode()
+
+
 def test_a_key_given_twice_in_json_is_named(tmp_path: Path) -> None:
     path = tmp_path / "wall.json"
     path.write_text('{"vertex": {}, "face": {}, "vertex": {}}')
