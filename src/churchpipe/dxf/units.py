@@ -73,15 +73,20 @@ def unit_hint(size: float | None, drawn: Drawn, declared: str | None = None) -> 
     """Name the units in which the median stone would be a stone, the median wall a wall."""
     if size is None:
         return "Set the units (UNITS), or pass --units mm, cm or m."
-    likely = [name for name in ("m", "cm", "mm", "in", "ft") if name != declared and plausible(size * schema.metres(name), drawn)]
-    tries = ", ".join(f"--units {name} ({length_text(size * schema.metres(name))})" for name in likely)
-    known = f"Pass {tries}" if likely else "Pass --units with its unit"
+    tries = likely_units(size, drawn, declared)
+    known = f"Pass {tries}" if tries else "Pass --units with its unit"
     again = f", or --units {declared} if it is right" if declared else ""
     hint = f"The median {drawn} measures {size:.4g} drawing units. {known}{again}."
     # Walls drawn whole are no stones of a smaller unit: in that one the building would be as small, and its loads as wrong.
     if drawn == "stone" and declared and size * schema.metres(declared) > schema.PLAUSIBLE_SIZE["stone"][1]:
         hint += WHOLE_WALLS if plausible(size * schema.metres(declared), "wall") else ""
     return hint
+
+
+def likely_units(size: float, drawn: Drawn, declared: str | None) -> str:
+    """Return the options for the units, other than the declared one, in which the median stone or wall would be one."""
+    likely = [name for name in ("m", "cm", "mm", "in", "ft") if name != declared and plausible(size * schema.metres(name), drawn)]
+    return ", ".join(f"--units {name} ({length_text(size * schema.metres(name))})" for name in likely)
 
 
 def _size_text(size: float | None, unit: str, drawn: Drawn) -> str:

@@ -29,7 +29,7 @@ from churchpipe.dxf.reader import (
 from churchpipe.dxf.reading import Reading
 from churchpipe.dxf.slivers import slivers
 from churchpipe.dxf.stones import Stone
-from churchpipe.dxf.units import length_text, plausible, unit_hint
+from churchpipe.dxf.units import length_text, likely_units, plausible, unit_hint
 from churchpipe.errors import InputError, halved
 from churchpipe.findings import Finding, Findings, FindingsError
 from churchpipe.meshes.coarse import coarse
@@ -282,7 +282,8 @@ def _unit(source: Source, size: float | None, reading: Reading) -> str | None:
     if size is None or plausible(size * schema.metres(declared), drawn):
         if source.unit is None and size is not None:
             found = f"the file says no unit: read in m, so that the median {drawn} measures {length_text(size)}"
-            findings.append(Finding("W45", found))
+            tries = likely_units(size, drawn, declared)
+            findings.append(Finding("W45", found, remedy=f"Pass {tries}, or --up, if that is wrong." if tries else ""))
         return declared
     low, high = schema.PLAUSIBLE_SIZE[drawn]
     said = f'the file says "{source.unit}"' if source.unit else "the file says no unit; read in m"

@@ -1,5 +1,6 @@
 """The bodies of a file to stones: parted, mended or refused, and every change told."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -17,7 +18,7 @@ from churchpipe.geometry.mending import REPAIRS, SPLIT, WELDED, Mended, flat, me
 from churchpipe.geometry.parts import parts_of
 from churchpipe.meshes.source import GROUND, Body, Face, Source, left_out
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.surfaces import CROWDED, DOUBLED
+from churchpipe.model.surfaces import CROWDED, DOUBLED, edges
 from churchpipe.wording import counted
 
 # Rows: the axes of the model in coordinates of the file.
@@ -168,6 +169,13 @@ def _findings_of(mended: Mended, body: Body) -> list[Finding]:
     place = _place(body, mended.points)
     if mended.fault:
         place = _place(body, mended.points[[mended.fault.vertex]])
+        hole = _around_hole(mended) if mended.fault.problem in (DOUBLED, CROWDED) else mended.points[:0]
+        if len(hole):
+            found = (
+                f"a face is missing beside this edge, perhaps where stones touch: {len(hole)} edges have an odd number of faces"
+            )
+            remedy = "Close the stone in the program that made it, or save each stone as an object or a file of its own."
+            return [_place(body, hole[:1]).finding("E10", found, expected="two faces at each edge of each stone", remedy=remedy)]
         remedy = "Pass --repair to mend it." if mended.mendable else "Close it in the program that made it."
         remedy += APART if mended.fault.problem in (DOUBLED, CROWDED) else ""
         found = f"the body is no solid: {mended.fault.problem}, {mended.fault.found}"
@@ -185,6 +193,13 @@ def _findings_of(mended: Mended, body: Body) -> list[Finding]:
         else:
             out.append(place.finding("W40", f"{what} ({count})"))
     return out
+
+
+def _around_hole(mended: Mended) -> FloatArray:
+    """Return the middles (n, 3) of the edges that an odd number of faces share: stones that touch have two faces each there."""
+    shared = Counter((min(edge), max(edge)) for face in mended.faces for edge in edges(face))
+    odd = [edge for edge, count in shared.items() if count % 2]
+    return mended.points[np.array(odd, dtype=np.int64).reshape(-1, 2)].mean(axis=1)
 
 
 def _united(shells: list[Mended], body: Body, findings: list[Finding]) -> Mended:

@@ -16,7 +16,7 @@ from churchpipe.errors import InputError
 from churchpipe.findings import FindingsError
 from churchpipe.model.assemblage import Assemblage
 from mesh_files import METRES, WRITERS, solids, write_3dec, write_3dm, write_3mf, write_glb, write_obj, write_ply, write_stl
-from solids import box, prism
+from solids import box, on_ground, prism
 
 GROUND = box((-1, 2), (-1, 1), (-0.5, 0))
 # Sizes that have an exact binary form, for formats that hold 32 bits.
@@ -211,6 +211,19 @@ def test_any_axis_may_point_up(up: str, columns: list[int], signs: list[int], tm
 
 def named(stones: Assemblage, **names: list[str]) -> Assemblage:
     return replace(stones, **{key: np.array(value) for key, value in names.items()})
+
+
+def test_a_mesh_without_a_unit_is_told_in_which_units_its_stones_are_of_usual_size(tmp_path: Path) -> None:
+    # Cubes of half a metre, written in feet (.3048 m) as 1.64 and in inches (.0254 m) as 19.7.
+    cubes = on_ground(*(box((x, x + 0.5), (0, 0.5), (0, 0.5)) for x in (0.0, 1.0, 2.0)), reach=3)
+    for name, metres in (("feet", 0.3048), ("inches", 0.0254)):
+        cp.write_obj(replace(cubes, points=cubes.points / metres), tmp_path / f"{name}.obj")
+    _, findings = cp.read_stones(tmp_path / "feet.obj")
+    (assumed,) = (finding for finding in findings if finding.code == "W45")
+    assert assumed.found.endswith("measures 1.64 m")
+    assert assumed.remedy == "Pass --units in (41.7 mm), --units ft (500 mm), or --up, if that is wrong."
+    with pytest.raises(FindingsError, match=r"E04 .* 19\.7 m.* --units cm \(197 mm\), --units in \(500 mm\), or --units m if"):
+        cp.read_stones(tmp_path / "inches.obj")
 
 
 @pytest.mark.parametrize("make", [wall, arch])

@@ -85,6 +85,24 @@ def test_a_stone_with_a_hole_is_told_from_the_sound_ones_that_it_touches(tmp_pat
     assert (~read.fixed).sum() == 20
 
 
+@pytest.mark.parametrize("lost", range(4))
+def test_a_face_that_is_missing_where_two_stones_touch_is_named(lost: int, tmp_path: Path) -> None:
+    # Each of the four triangles of the common face in turn; without it the two stones are one body with faces on each other.
+    stones: list[FloatArray] = []
+    for low in (0.0, 0.5):
+        points, faces = box((0, 1), (0, 1), (low, low + 0.5))
+        stones.append(np.concatenate([points[[[f[0], f[1], f[2]], [f[0], f[2], f[3]]]] for f in faces]))
+    soup_ = np.concatenate(stones)
+    joint = np.flatnonzero((soup_[:, :, 2] == 0.5).all(axis=1))
+    gone = soup_[joint[lost]]
+    with pytest.raises(FindingsError, match=r"a face is missing beside this edge, .*: 3 edges have an odd number") as raised:
+        cp.read_stones(soup(tmp_path / "a.stl", [np.delete(soup_, joint[lost], axis=0)]), support="base")
+    (error,) = raised.value.findings.errors
+    assert error.position is not None
+    middles = (gone + np.roll(gone, 1, axis=0)) / 2
+    assert np.abs(middles - error.position).max(axis=1).min() < 1e-9
+
+
 def test_stones_that_cannot_be_told_apart_are_said_to_be_perhaps_several(tmp_path: Path) -> None:
     # Half of the triangles look inwards: nothing says on which side the stones are.
     points, faces = box((0, 1), (0, 1), (0, 0.5))
