@@ -9,7 +9,17 @@ from typing import Final
 import numpy as np
 
 from churchpipe.dxf import schema
-from churchpipe.dxf.outlines import Outline, chords, cut_out, drawn_within, inside_others, levels_of, outlines_of, parallel
+from churchpipe.dxf.outlines import (
+    Outline,
+    chords,
+    cut_out,
+    drawn_within,
+    inside_others,
+    layers_of,
+    levels_of,
+    outlines_of,
+    parallel,
+)
 from churchpipe.dxf.reading import ElevationPlane
 from churchpipe.dxf.stones import Stone
 from churchpipe.dxf.traces import Trace, by_plane, is_flat
@@ -145,12 +155,10 @@ def stood_up(points: FloatArray) -> FloatArray:
 
 
 def _findings(outlines: list[Outline], plane: ElevationPlane, cut: bool) -> list[Finding]:
-    layers = Counter(outline.trace.layer for outline in outlines)
-    named = ", ".join(f"{layer} ({count})" for layer, count in layers.items())
     lying = sum(bool(outline.plane.axes[2][2] == 1.0) for outline in outlines)
     kind = "whole wall" if cut else "stone"
     taken = counted(len(outlines), f"outline was taken for a {kind}", f"outlines were taken for {kind}s")
-    what = f"{taken}, on the layers {named}"
+    what = f"{taken}, on the layers {layers_of(outlines)}"
     if lying and plane == "xz":
         what += "; the drawing's x-y is taken for the elevation x-z"
     unwanted = "Put outlines that are no walls on a layer that is off, or on OPENING or LINTEL." if cut else ""

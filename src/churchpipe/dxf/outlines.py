@@ -1,5 +1,6 @@
 """Lines of a drawing to outlines of stones: closed ones, almost closed ones, and the meshes of a net of lines."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -59,6 +60,10 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
             what = "a side is so short that lines near it, which miss each other by up to {}, may end at either end of it"
             remedy = "Let the lines here end on each other: two stones may be taken for one, or for neighbours."
             findings.append(traces[index[k]].place.finding("W25", what, lengths=(gap,), remedy=remedy))
+        for k, size in sorted(part for part in net.crossed.items() if part[0] not in apart):
+            what = "the line crosses others, with which it encloses an area {} long: it is left out, since no stone is so small"
+            remedy = "Let them cross in one point, or draw what they enclose as an outline if it is a stone."
+            findings.append(traces[index[k]].place.finding("W25", what, lengths=(size,), remedy=remedy))
         for k in (index[border] for border in net.borders):
             rings[k] = None
         for k in (index[line] for line in net.alone):
@@ -86,7 +91,7 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
     borders = covering(_regions(sound), _regions(voids), alike=True)
     hatched = covering(_regions(sound), _regions(fillings), alike=True)
     for outline in (o for o, border, own in zip(sound, borders, hatched, strict=True) if border and not own):
-        what = "the outline is the border of a void in a hatch, of a stone or of mortar"
+        what = f"the outline is the border of a void in a hatch, of a stone or of mortar; its layer is {outline.trace.layer}"
         remedy = "Put it on a layer OPENING if it is a void, hatch it if it is a stone, or switch the layer of the hatch off."
         findings.append(outline.trace.place.finding("E29", what, remedy=remedy))
     whole = cut_out([*sound, *fillings], voids, findings)
@@ -155,14 +160,21 @@ def inside_others(outlines: Sequence[Outline]) -> list[Finding]:
             inside.setdefault(other, []).append(inner)
     out: list[Finding] = []
     for number, inner in inside.items():
-        place = outlines[number].trace.place
+        place, layer = outlines[number].trace.place, outlines[number].trace.layer
         if len(inner) == 1:
-            found = f"the outline lies inside that of {place.entity} #{place.handle}"
-            out.append(inner[0].trace.place.finding("E29", found))
+            own = inner[0].trace
+            found = f"the outline, on layer {own.layer}, lies inside that of {place.entity} #{place.handle}, on layer {layer}"
+            out.append(own.place.finding("E29", found))
         else:
             remedy = "Put it on a layer that is off if it is no stone, or those in it on a layer OPENING if they are voids."
-            out.append(place.finding("E29", f"{len(inner)} outlines lie inside this one", remedy=remedy))
+            found = f"{len(inner)} outlines lie inside this one, whose layer is {layer}; theirs: {layers_of(inner)}"
+            out.append(place.finding("E29", found, remedy=remedy))
     return out
+
+
+def layers_of(outlines: Sequence[Outline]) -> str:
+    """Return the layers of outlines as a message names them, with how many outlines each has."""
+    return ", ".join(f"{layer} ({count})" for layer, count in Counter(outline.trace.layer for outline in outlines).items())
 
 
 def _regions(outlines: Sequence[Outline]) -> list[Region]:

@@ -35,7 +35,8 @@ class Net:
     lines that meet no other, or that close over a place where no area is. loose: indices of the lines with a free end. borders:
     indices of the closed outlines on which lines end. mended: of lines with an end that missed the next line, or ran past it: by
     how much at most. doubtful: of lines with a side so short that others near it may have been meant to end at either end of
-    it: by how much these miss each other.
+    it: by how much these miss each other. crossed: of lines that cross others beside no end, and enclose what is too small for a
+    stone: how long its longest side is.
     """
 
     meshes: list[tuple[int, FloatArray]]
@@ -44,6 +45,7 @@ class Net:
     borders: list[int]
     mended: dict[int, float]
     doubtful: dict[int, float] = field(default_factory=dict[int, float])
+    crossed: dict[int, float] = field(default_factory=dict[int, float])
 
 
 def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
@@ -208,6 +210,8 @@ def _meshed(
     found, _, dangles, _ = shapely.polygonize_full(shapely.get_parts(shapely.union_all(sources)))
     meshes: list[tuple[int, FloatArray]] = []
     mended: dict[int, float] = {}
+    crossed: dict[int, float] = {}
+    ends = shapely.MultiPoint(np.concatenate([lines[k][[0, -1]] for k in chosen if k < count] or [np.zeros((0, 2))]))
     for mesh in shapely.get_parts(found):
         # The sliver between two lines that were meant to be one is no stone.
         if mesh.area <= reach * mesh.length:
@@ -219,8 +223,9 @@ def _meshed(
         if mesh.length > slip:
             meshes.append((nearest, corners))
         else:
-            # Neither is what lines enclose that were meant to meet in one place.
-            mended[nearest] = float(np.linalg.norm(side[longest]))
+            # Neither is what lines enclose that were meant to meet in one place: with their ends, or where they cross.
+            told = mended if mesh.distance(ends) <= slip else crossed
+            told[nearest] = float(np.linalg.norm(side[longest]))
     cells = shapely.union_all([shapely.Polygon(corners) for _, corners in meshes])
     alone: list[int] = []
     for k in chosen:
@@ -239,7 +244,7 @@ def _meshed(
             loose.add(k)
         else:
             mended[k] = max(part.length - reach, mended.get(k, 0.0))
-    return Net(meshes, alone, sorted(loose - set(alone)), [k for k in chosen if k >= count], mended)
+    return Net(meshes, alone, sorted(loose - set(alone)), [k for k in chosen if k >= count], mended, crossed=crossed)
 
 
 def without_idle_corners(corners: FloatArray) -> FloatArray:

@@ -1,5 +1,6 @@
 """Two-dimensional drawings: outlines of stones in every way that people close them, extruded and stood up."""
 
+import re
 from collections.abc import Callable
 from itertools import combinations, pairwise
 from pathlib import Path
@@ -245,7 +246,7 @@ def test_whether_the_border_of_a_void_is_a_stone_is_asked(mortar: bool, tmp_path
 
     text = str(findings_of(drawn(tmp_path / "a.dxf", draw)))
     assert "E29 a.dxf: LWPOLYLINE #" in text
-    assert "the outline is the border of a void in a hatch" in text
+    assert "the outline is the border of a void in a hatch, of a stone or of mortar; its layer is 0" in text
     assert "Put it on a layer OPENING if it is a void, hatch it if it is a stone" in text
 
 
@@ -254,13 +255,17 @@ def test_the_contour_of_a_wall_is_named_once(tmp_path: Path) -> None:
     contour = [(0.0, 0.0), (500.0, 0.0), (500.0, 195.0), (0.0, 195.0)]
     text = str(findings_of(drawn(tmp_path / "a.dxf", lambda space: outlined(space, *bricks, contour))))
     assert "E29 a.dxf: LWPOLYLINE #" in text
-    assert "6 outlines lie inside this one" in text
+    assert "6 outlines lie inside this one, whose layer is 0; theirs: 0 (6)" in text
 
 
 def test_an_outline_in_another_is_asked_about(tmp_path: Path) -> None:
-    text = str(findings_of(drawn(tmp_path / "a.dxf", lambda space: outlined(space, FRAME, HOLE))))
+    def draw(space: Any) -> None:
+        for outline, layer in ((FRAME, "WALL"), (HOLE, "WINDOWS")):
+            space.add_lwpolyline(outline, close=True, dxfattribs={"layer": layer})
+
+    text = str(findings_of(drawn(tmp_path / "a.dxf", draw)))
     assert "E29 a.dxf: LWPOLYLINE #" in text
-    assert "the outline lies inside that of LWPOLYLINE #" in text
+    assert re.search("the outline, on layer WINDOWS, lies inside that of LWPOLYLINE #.*, on layer WALL", text)
     assert "OPENING" in text
 
 

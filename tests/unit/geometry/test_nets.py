@@ -186,3 +186,13 @@ def test_no_end_moves_farther_than_a_tenth_of_the_median_line(past: float, off: 
     lines = drawn(masonry(seed), past, off, seed)
     median = float(np.median([np.linalg.norm(line[1] - line[0]) for line in lines]))
     assert max(net_of(lines, []).mended.values()) <= 0.1 * median
+
+
+def test_lines_that_cross_in_nearly_one_point_have_no_ends_there() -> None:
+    # Two diagonals cross at (2, 1.5); the third line passes by at x = 2.1, where they are .1 apart.
+    frame = [[[0, 0], [4, 0]], [[4, 0], [4, 3]], [[4, 3], [0, 3]], [[0, 3], [0, 0]]]
+    across = [[[0, 0.5], [4, 2.5]], [[0, 2.5], [4, 0.5]], [[2.1, 0], [2.1, 3]]]
+    net = net_of([np.array(line, dtype=float) for line in [*frame, *across]], [])
+    assert len(net.meshes) == 6
+    assert not net.mended
+    assert max(net.crossed.values()) == pytest.approx(np.hypot(0.1, 0.05))
