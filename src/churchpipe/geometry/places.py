@@ -19,6 +19,8 @@ SPREAD = 4.0
 USUAL = 0.95
 # A line that turns by less than this (rad) at a point goes on there: other lines may end beside the point.
 BENT = np.radians(30.0)
+# What an end meets is looked for within this power of a sixteenth of the reach first, then within the next one, up to the reach.
+WINDOWS = 2
 # Weight of the middle of the ends of a place against that of the lines that end there.
 WEAK = 1e-3
 
@@ -175,19 +177,22 @@ def _meetings(at: FloatArray, ways: FloatArray, own: IntArray, drawn: Lines, rea
     """
     # Not so far back that it reaches the other end.
     back = np.minimum(slip, 0.5 * shapely.length(drawn[own]))[:, None]
-    tails: Lines = np.asarray(shapely.linestrings(np.stack([at - back * ways, at + reach * ways], axis=1)), dtype=np.object_)
-    ends = _points(at)
+    ends, tree, out = _points(at), shapely.STRtree(drawn), at.copy()
     # Most ends of a drawing that was made with a snap meet others exactly: they are where their places are.
     loose = np.flatnonzero(~together(at, own))
-    end, other = shapely.STRtree(drawn).query(tails[loose], predicate="intersects")
-    end = loose[end]
-    end, other = end[own[end] != other], other[own[end] != other]
-    there: Lines = np.asarray(shapely.intersection(tails[end], drawn[other]), dtype=np.object_)
-    order = np.lexsort([shapely.distance(ends[end], there), end])
-    end, there = end[order], there[order]
-    end, first = np.unique(end, return_index=True)
-    out = at.copy()
-    out[end] = shapely.get_coordinates(shapely.get_point(shapely.shortest_line(ends[end], there[first]), 1))
+    # Only the nearest counts, and where many ends are of one place each of them meets all others.
+    for near in (*(reach * 16.0**-power for power in range(WINDOWS, -1, -1)), slip):
+        tails: Lines = np.asarray(
+            shapely.linestrings(np.stack([at - np.minimum(near, back) * ways, at + min(near, reach) * ways], axis=1)[loose])
+        )
+        end, other = tree.query(tails, predicate="intersects")
+        apart = own[loose[end]] != other
+        there: Lines = np.asarray(shapely.intersection(tails[end[apart]], drawn[other[apart]]), dtype=np.object_)
+        end = loose[end[apart]]
+        order = np.lexsort([shapely.distance(ends[end], there), end])
+        end, first = np.unique(end[order], return_index=True)
+        out[end] = shapely.get_coordinates(shapely.get_point(shapely.shortest_line(ends[end], there[order][first]), 1))
+        loose = np.setdiff1d(loose, end)
     return out
 
 
