@@ -121,13 +121,16 @@ def _doubled(points: FloatArray) -> bool:
 
 
 def _welded(points: FloatArray, faces: list[Face], changes: Counter[str]) -> tuple[FloatArray, list[Face]]:
-    """Join equal vertices of a body that is not closed, or that proves to be two equal closed bodies once they are joined."""
+    """Join equal vertices of a body that is open, that has edges between them, or that proves to be two equal bodies then."""
     if not _doubled(points):
         return points, faces
     welded = weld(points, faces)
-    fault = surface_fault(welded[1])
-    if surface_fault(faces) is None and not (fault and fault.problem == DOUBLED):
-        return points, faces
+    if surface_fault(faces) is None:
+        fault = surface_fault(welded[1])
+        # An edge of no length leaves a face on a line, which would pass for a warped one.
+        collapsed = fault is None and any(bool((points[a] == points[b]).all()) for face in faces for a, b in edges(face))
+        if not collapsed and not (fault and fault.problem == DOUBLED):
+            return points, faces
     changes[WELDED] += len(points) - len(welded[0])
     return welded
 

@@ -33,6 +33,7 @@ def faults() -> dict[str, tuple[FloatArray, Faces, dict[str, int]]]:
         "every face twice": (CUBE, BOX_FACES * 2, {mending.DROPPED: 6}),
         "both sides": (CUBE, [*BOX_FACES, *(face[::-1] for face in BOX_FACES)], {mending.DROPPED: 6}),
         "two shells in one place": (*shells, {mending.WELDED: 8, mending.DROPPED: 6}),
+        "a corner twice in a row": (*prism([(0, 0), (0, 0), (1, 0), (1, 1), (0, 1)], 1.0), {mending.WELDED: 2}),
         "nearly meeting": (near, soup[1], {mending.CLOSE: 16}),
         "corner on an edge": (*middle, {mending.JOINED: 1}),
         "hole": (CUBE, BOX_FACES[:-1], {mending.FILLED: 1}),
@@ -52,7 +53,7 @@ def test_each_fault_is_mended_and_counted(name: str) -> None:
     assert stones.volume[0] == pytest.approx(mended.volume, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", ["sound", "inside out", "mixed", "soup"])
+@pytest.mark.parametrize("name", ["sound", "inside out", "mixed", "soup", "a corner twice in a row"])
 def test_what_leaves_the_shape_alone_is_done_without_asking(name: str) -> None:
     points, faces, expected = faults()[name]
     mended = mend(points, faces, repair=False)
