@@ -318,7 +318,7 @@ class _Curve(Record):
             self.keep(self.curve(Ending("unfinished", "interrupted"), 0.0))
         if self.progress:
             # Of a curve that rises again nothing is undone.
-            self.progress("capacity curve", 1.0 - min(self.load_factor) / self.load_factor[0])
+            self.progress("capacity curve", 1.0 - max(min(self.load_factor), 0.0) / self.load_factor[0])
         return None
 
     def resume_ties(self, curve: BlockCapacityCurve) -> None:

@@ -180,6 +180,17 @@ def test_progress_and_the_largest_displacement() -> None:
     assert "all steps asked for" in few.message
 
 
+def test_progress_ends_at_a_whole_where_a_curve_goes_on_below_zero(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[float] = []
+    # As if each step below zero were no equilibrium, after which a structure may stand higher again.
+    monkeypatch.setattr(pushover, "vanished", lambda *_: False)
+    curve = cp.block_pushover(
+        BLOCK, cp.find_contacts(BLOCK), PUSH, 0.7, step=0.1, steps=16, progress=lambda _, share: told.append(share)
+    )
+    assert min(curve.load_factor) < 0
+    assert max(told) == 1.0
+
+
 @pytest.mark.slow
 def test_a_curve_that_was_interrupted_stays_on_its_branch(tmp_path: Path) -> None:
     # Without the forces of its last step this wall goes on along another one, 6 % of the load factor away.
