@@ -202,3 +202,19 @@ def test_a_block_on_ground_that_tilts(friction: float, end: float) -> None:
     assert path.reaction == pytest.approx(stones.weight.sum() * arm, rel=1e-7)
     # Where it collapses is known to a tenth of a step.
     assert end - 0.002 < path.ultimate <= end
+
+
+@pytest.mark.parametrize("halo", [0, 5])
+def test_a_heavy_neighbour_that_stays_spares_no_stone_that_falls(halo: int) -> None:
+    # The block of the test above, and beside it one of two hundred times its weight on ground that does not tilt.
+    block = box((-1, 2), (-1, 2), (-0.4, 0)), box((0, 0.5), (0, 1), (0, 2))
+    neighbour = box((20, 30), (0, 10), (-1, 0)), box((20, 30), (0, 10), (0, 2))
+    options: dict[str, Any] = {"about": (-0.5, 0, -0.2), "step": 0.02, "halo": halo}
+    ends = []
+    for solids, fixed in ((block, [0]), ((*block, *neighbour), [0, 2])):
+        stones = cp.Assemblage.from_polyhedra(solids, 18e3, fixed=fixed)
+        path = cp.settlement_path(stones, cp.find_contacts(stones), [0], (0, 1, 0), 0.9, **options)
+        ends.append((path.status, path.ultimate))
+        assert not path.fallen
+    assert ends[0][0] == "collapsed"
+    assert ends[1] == pytest.approx(ends[0])

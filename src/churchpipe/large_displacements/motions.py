@@ -55,7 +55,8 @@ class Motions:
         """Return which stones (nb,) fall: those of an infeasible program, or a few of a motion, see `falls`."""
         if answer.outcome == "infeasible":
             speed = stone_speed(self.stones, self.velocities(answer.y))
-            return speed > PATH.falling * float(speed.max(initial=0.0))
+            # A support that moves goes with what falls in such a motion, but it is driven and cannot be lost.
+            return (speed > PATH.falling * float(speed.max(initial=0.0))) & ~self.model.stones.fixed
         return self._ahead(answer.y, rests) if answer.outcome == "solved" else np.zeros(self.stones.count, dtype=bool)
 
     def _ahead(self, y: FloatArray, rests: bool) -> BoolArray:

@@ -120,10 +120,13 @@ def settlement_path(
         chosen = np.atleast_1d(np.asarray(support, dtype=np.int64))
         doubt([WHOLE_GROUND.format("The support")] if stands_on(stones, contacts, chosen) else ())
     speed = stone_speed(stones, least.velocities)
-    # Where nothing follows the support as it begins to move, what will move later is not known, and no stone is held.
-    if halo and not _stand_still(model, speed):
+    # Where nothing follows the support as it begins to move, what will move later is not known: no stone is held, and all count.
+    if not _stand_still(model, speed):
         moving = (speed > PATH.still * reference_speed(speed)) | _upon(contacts, np.atleast_1d(support), stones.count)
-        model = replace(model, held=held_around(stones, contacts.blocks, moving, halo))
+        # What falls must be light beside what follows the support. Beside a whole building, all that follows it would be.
+        model = replace(model, moving=float(stones.weight[moving & ~stones.fixed].sum()))
+        if halo:
+            model = replace(model, held=held_around(stones, contacts.blocks, moving, halo))
     record = _Movement(model, furthest, int(steps), progress, keep, least.reaction)
     moves = [np.sort(np.atleast_1d(support)), direction, about]
     dead = dead.dead if isinstance(dead, LoadCase) else dead

@@ -20,7 +20,8 @@ from churchpipe.large_displacements.path import PathStep, may_go_on, solve_state
 from churchpipe.large_displacements.path_state import PathState, first_state
 from churchpipe.large_displacements.search import Attempt, StepSearch
 from churchpipe.large_displacements.settings import EXACTING, PATH, THRIFTY, Demands
-from churchpipe.large_displacements.state_program import step_program
+from churchpipe.large_displacements.settlement import settlement_model
+from churchpipe.large_displacements.state_program import state_program, step_program
 from churchpipe.large_displacements.step import StepAnswer, StepProgram, fallen_alone, falls, solve_step, without_dilatancy
 from churchpipe.large_displacements.travelling import live_loads
 from churchpipe.model.arrays import FloatArray
@@ -399,3 +400,14 @@ def test_a_curve_whose_stones_hold_no_push_any_more_ends_there(monkeypatch: pyte
     # Past a quarter of a metre the centroid is beyond the toe; the last step before it is the careful end.
     assert curve.d0 == curve.displacement[-1]
     assert 0.25 - 0.02 < curve.d0 < 0.25
+
+
+def test_a_support_that_moves_is_no_stone_that_falls() -> None:
+    stones = on_ground(box((0, 1), (0, 1), (0, 1)))
+    model, state, *_ = settlement_model(
+        stones, cp.find_contacts(stones), ([0], (0, 0, -1), None), 0.6, None, None, "auto", "corners", None
+    )
+    placed, _, free, _ = state_program(model, state)
+    down = np.array([0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0])
+    falls = StepAnswer("infeasible", np.zeros((0, 3)), np.nan, down)
+    assert Motions(model, state, placed, free).falling(falls).tolist() == [False, True]
