@@ -90,8 +90,10 @@ def summary(
 
 # So many sentences of one kind.
 _FEW_LINES = 3
-# A capacity curve starts no further than this share above the state without dilatancy.
-_START = 0.005
+# A capacity curve starts above the state without dilatancy by these shares at most, the larger one where the interval is wide.
+_START, _ABOVE = 0.005, 0.015
+_OTHER_MOTION = "So it follows another motion, and a check by displacements that is made of it may be too favourable."
+_ASK_FOR_IT = 'Ask for that value: flow = ["associative", "non-associative"] under [rigid].'
 # Why load factors of one structure differ, by the kind of analysis.
 _REASONS = {
     "associative": "joints of an associative analysis open as they slide (dilatancy), so its load factor is an upper estimate",
@@ -134,7 +136,7 @@ def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] |
 
     The careful one leads, as in `careful_first`. A sweep has one sentence for all its questions, besides those of load factors
     below zero, which are none of the building, of stones that may come out, of lower states nearly as exact, and of capacity
-    curves that start lower. vaults: names of the vaults of each geometry; where there are some, a sentence before the others
+    curves that start elsewhere. vaults: names of the vaults of each geometry; where there are some, a sentence before the others
     says why the value without dilatancy counts.
     """
     asked = [[record for record in records if record.stands] for records in _asked(analyses).values()]
@@ -149,7 +151,7 @@ def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] |
     if len(sentences) > 3:
         reasons = _reasons([record for records in several for record in records])
         sentences = [f"Of the load factors for one load and one strength use the lowest. They differ because {reasons}."]
-    return first + sentences + _of_lower_states(standing, NEARLY, "states") + _of_lower_curves(analyses)
+    return first + sentences + _of_lower_states(standing, NEARLY, "states") + _of_curves(analyses)
 
 
 def _of_vaults(asked: Sequence[Sequence[Analysis]], names: Sequence[str]) -> list[str]:
@@ -186,22 +188,24 @@ def _of_lower_states(analyses: Sequence[Analysis], mark: str, found: str) -> lis
     return said[:_FEW_LINES] + rest
 
 
-def _of_lower_curves(analyses: Sequence[Analysis]) -> list[str]:
-    """Return what capacity curves of the stones say, which know no dilatancy, that start below what no analysis without it tells
-    of, as sentences."""
+def _of_curves(analyses: Sequence[Analysis]) -> list[str]:
+    """Return which capacity curves of the stones start above an analysis without dilatancy, or below all where there is none."""
     said: list[str] = []
     for records in _asked(analyses).values():
         known = [record for record in records if record.stands]
-        starts = [one.load_factor for one in records if one.method == "curve" and one.status in GOOD]
-        least = min((factor for factor in starts if np.isfinite(factor)), default=np.inf)
-        if any(record.flow == "non-associative" for record in known) or not known:
-            continue
-        if least < min(record.load_factor for record in known) * (1 - _START):
-            start = f"{_load_words(known[0])}: its capacity curve, which is without dilatancy, starts lower, at {least:z.4f}."
-            said.append(f'{start} Ask for that value: flow = ["associative", "non-associative"] under [rigid].')
-    more = len(said) - _FEW_LINES
-    rest = [f"{counted(more, 'other curve starts', 'other curves start')} lower, too."] if more > 0 else []
-    return said[:_FEW_LINES] + rest
+        curves = [one for one in records if one.method == "curve" and np.isfinite(one.load_factor)]
+        sliding = [record for record in known if record.flow == "non-associative"]
+        proved = [one.load_factor for one in curves if one.status in GOOD]
+        if sliding and curves:
+            least, most = min(sliding, key=_carefulness), max(one.load_factor for one in curves)
+            if most > least.load_factor + _ABOVE * abs(least.load_factor):
+                start = f"{_load_words(least)}: its capacity curve starts at {most:z.4f}, above {least.load_factor:z.4f} "
+                said.append(f"{start}({_kind(least)}). {_OTHER_MOTION}")
+        elif known and proved and min(proved) < min(record.load_factor for record in known) * (1 - _START):
+            start = f"{_load_words(known[0])}: its capacity curve, which is without dilatancy, starts lower, at "
+            said.append(f"{start}{min(proved):z.4f}. {_ASK_FOR_IT}")
+    more = counted(len(said) - _FEW_LINES, "other curve starts", "other curves start")
+    return said[:_FEW_LINES] + ([f"{more} lower or higher, too."] if len(said) > _FEW_LINES else [])
 
 
 def _below_zero(records: Sequence[Analysis]) -> str:
