@@ -1,7 +1,7 @@
 """From a load factor to the safety check of the Italian code: NTC 2018 with the Circolare of 21.1.2019 n. 7, C8.7.1.2."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
@@ -10,7 +10,7 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import check_kind, one_of
 from churchpipe.model.arrays import FloatArray
-from churchpipe.model.checks import SafetyCheck, SpectrumParameters
+from churchpipe.model.checks import Check, SafetyCheck, SpectrumParameters
 from churchpipe.model.doubts import doubt_fields, question
 from churchpipe.model.quantities import GRAVITY, Count, Quantity, Usual, check_ranges, in_range, unit_of
 from churchpipe.spectrum import Demand, SiteSpectrum, Spectrum, StoreySpectrum
@@ -39,6 +39,8 @@ _BEHAVIOUR = Quantity(low=1, usual=Usual(1, 4, "2 for local mechanisms, at most 
 _FIRST_LEVEL = 1.25
 _PEAK = Usual(1.8, 3.5, "F0 is 2.2 to 3.2")
 _LAST = Usual(0.8, 20, "what rocks has some seconds, and beyond the table the displacement stays what it is there")
+# A mechanism that begins no higher, m, is shaken as on the ground.
+_ABOVE = 0.5
 _CONFIDENCE = Quantity(low=1, usual=Usual(1, 1.35, "the code has 1, 1.2 and 1.35"))
 
 
@@ -246,6 +248,27 @@ def verified(found: SafetyCheck, site: Site) -> SafetyCheck:
         zeta_e_stones=of_stones,
         satisfied_stones=found.a0 >= demand,
     )
+
+
+def floor_questions(checks: Iterable[tuple[str, Check | None]]) -> list[str]:
+    """Return what to ask about mechanisms that begin above the ground and are compared with its acceleration alone.
+
+    checks: each with the name of its load, the one that leads before the others of this load.
+    """
+    first: dict[str, SafetyCheck] = {}
+    for load, found in checks:
+        if isinstance(found, SafetyCheck) and found.satisfied is not None:
+            first.setdefault(load, found)
+    above = [(load, found.begins) for load, found in first.items() if found.begins >= _ABOVE and math.isnan(found.floor_demand)]
+    if not above:
+        return []
+    heights = ", ".join(
+        f"{'what moves ' if n else 'What moves '}under {load} begins {z:.2f} m" for n, (load, z) in enumerate(above)
+    )
+    return [
+        f"{heights} above the foot of the building, which shakes more there than on the ground, and the check is that of the "
+        "ground alone: a table [check.floor] adds what the building below does. Is it left out on purpose?"
+    ]
 
 
 def is_horizontal(direction: Sequence[float] | FloatArray) -> bool:

@@ -15,7 +15,7 @@ from churchpipe.io.sample_study import SampleStudy
 from churchpipe.io.summary import ContactModels, Mesh, Pair, ShellSize, Size, Summary, VariantResult
 from churchpipe.loading.wrenches import pushed_masses
 from churchpipe.match import Match
-from churchpipe.mechanism import mechanism_name, moving_stones, parts, stone_speed
+from churchpipe.mechanism import mechanism_name, moving_stones, parts, start_height, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray, NameArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.checks import SafetyCheck
@@ -365,7 +365,7 @@ def safety(
         found = activation(state.load_factor, weight, pushed, displacement, confidence)
     except InputError as error:
         return replace(asked, message=str(error).removeprefix("check: "))
-    found = replace(found, moving_stones=int(moving.sum()))
+    found = replace(found, moving_stones=int(moving.sum()), begins=start_height(stones, moving))
     return verified(found, site) if site else found
 
 

@@ -91,6 +91,12 @@ def reference_speed(speed: FloatArray) -> float:
     return max(float(np.percentile(speed[speed > STILL * fastest], 98)), fastest / 4)
 
 
+def start_height(stones: Assemblage, moving: BoolArray) -> float:
+    """Return the height, m, of the lowest corner of the moving stones (nb,) above that of all free ones; NaN where none moves."""
+    lowest = np.minimum.reduceat(stones.points[:, 2], stones.block_point_ptr[:-1])
+    return float(lowest[moving].min() - lowest[~stones.fixed].min()) if moving.any() else float("nan")
+
+
 def moving_stones(speed: FloatArray) -> BoolArray:
     """Return True (nb,) for the stones, or facets, that take part in the mechanism."""
     return speed > STILL * max(reference_speed(speed), np.finfo(float).tiny)

@@ -293,6 +293,7 @@ def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
 def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None) -> None:
     """All analyses of a plan -> summary.json and table.csv; those of all samples -> samples.csv."""
     from churchpipe import compare as results
+    from churchpipe.code_check import floor_questions
     from churchpipe.config.plausible import unanswered
     from churchpipe.model.sizes import size_questions
     from churchpipe.run_folder import read_run
@@ -304,7 +305,8 @@ def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None)
     compared = [replace(pair, overlap=run.overlap(pair.blocks, pair.shell)) for pair in results.pairs(found)]
     write_table(table, analyses)
     sizes_asked = (text for name in run.index["geometries"] for text in size_questions(run.stones(name)[0]))
-    asked = list(dict.fromkeys([*unanswered(run.index["questions"]), *sizes_asked, *run.ground_questions()]))
+    begun = floor_questions((record.load, record.check) for record in analyses if record.variant is None)
+    asked = list(dict.fromkeys([*unanswered(run.index["questions"]), *sizes_asked, *run.ground_questions(), *begun]))
     study = None
     if samples:
         study = sample_study(run.index["sample"], run.samples(), analyses)

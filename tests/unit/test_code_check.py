@@ -1,12 +1,13 @@
 """The safety check of Circolare 7/2019, C8.7.1.2, by hand: single bodies, two stones, and columns of many stones."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from churchpipe.code_check import Floor, Site, activation, along, verified
+from churchpipe.code_check import Floor, Site, activation, along, floor_questions, verified
 from churchpipe.compare import safety
 from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage
@@ -61,6 +62,22 @@ def test_twenty_courses_that_overturn() -> None:
     assert found.mass_fraction == pytest.approx(3 * 400 / (4 * 400 - 1), rel=1e-5)
     assert found.mass_fraction == pytest.approx(0.7505, abs=5e-5)
     assert found.participating_mass == pytest.approx(1e3 * found.mass_fraction * 80 / 9.80665, rel=1e-9)
+
+
+def test_where_a_mechanism_begins() -> None:
+    # Two wide courses of 1 m, which stay, and a slender stone on them, which turns over.
+    stones = on_ground(box((-2, 3), (0, 1), (0, 1)), box((-2, 3), (0, 1), (1, 2)), box((0, 1), (0, 1), (2, 6)))
+    site = Site(1.5, soil_factor=1.2)
+    above = check(stones, 0.7, site)
+    assert above.begins == pytest.approx(2.0)
+    [question] = floor_questions([("+x", above), ("+x", above), ("-x", check(column(4), 0.7, site))])
+    assert question.startswith("What moves under +x begins 2.00 m above the foot of the building")
+    assert "[check.floor]" in question
+    # Not of one that begins at the ground, that knows its floor, or that is compared with no site.
+    floored = replace(site, floor=Floor(2.0, 6.0, 2, 3.0))
+    assert not floor_questions(
+        [("-x", check(column(4), 0.7, site)), ("+x", check(stones, 0.7, floored)), ("+x", check(stones, 0.7))]
+    )
 
 
 def test_two_stones_by_hand() -> None:

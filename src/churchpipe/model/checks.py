@@ -49,13 +49,15 @@ class SafetyCheck(Check):
     """The check of the ultimate limit state with a behaviour factor.
 
     a0: spectral acceleration a0* that activates the mechanism, with e* of the stones; a0_lumped: alpha0 g / FC, with e* = 1,
-    which is never larger. moving_stones: their number. demand: a_g S / q; floor_demand: a_Z / q, of a mechanism above the ground.
+    which is never larger. moving_stones: their number; begins: height of the lowest corner of them above that of the building.
+    demand: a_g S / q; floor_demand: a_Z / q, of a mechanism above the ground.
     zeta_e_lc1: zeta_e with the confidence factor of the lowest knowledge level, where FC is another.
     """
 
     a0_lumped: _Acceleration = math.nan
     a0: _Acceleration = math.nan
     moving_stones: int | None = None
+    begins: _Length = math.nan
     soil_factor: float = math.nan
     q: float = math.nan
     demand: _Acceleration = math.nan

@@ -18,7 +18,7 @@ NOT_SATISFIED = "not satisfied"
 # So few stones are no part of a building: what a mechanism of them says holds for them alone.
 FEW_STONES = 3
 
-# Headings with what they mean; those from "a_g" on stand only where the case says what the earthquake asks.
+# Headings with what they mean; those of SITE stand only where they are known, as where the case says what the earthquake asks.
 ACTIVATION = (
     ("\u03b1\u2080", "load factor, as a multiplier of all weights that move", "alpha0", 4),
     ("Moving, kN", "weight of the stones that move", "moving_weight", 0),
@@ -30,6 +30,7 @@ ACTIVATION = (
     ("a\u2080* of stones", "the same acceleration with e* of the stones, m/s\u00b2", "a0", 3),
 )
 SITE = (
+    ("Begins, m", "height of the lowest stone that moves above the foot of the building", "begins", 2),
     ("a_g, m/s\u00b2", "ground acceleration on rock", "a_g", 3),
     ("S", "soil factor", "soil_factor", 2),
     ("q", "behaviour factor", "q", 1),
