@@ -22,7 +22,7 @@ from churchpipe.model.placed_loads import PlacedLoads
 from churchpipe.oscillator import FOLLOW, LIMIT_STATES, LimitName, LimitStateCapacity, Oscillator, capacity, oscillator
 from churchpipe.rigid_blocks.equilibrium import lateral_weight
 from churchpipe.spectrum import Demand, demand_curve, spectral_displacement
-from churchpipe.wording import counted
+from churchpipe.wording import counted, three_figures
 
 
 def displacement_check(
@@ -175,18 +175,19 @@ def _unproved(curve: BlockCapacityCurve, *, ended: bool, compared: bool) -> str:
     """
     end = ""
     if curve.status == "not-converged":
-        end = f"The curve stops at {1e3 * float(curve.displacement[-1]):.3g} mm, where no motion was found that fits its forces. "
+        last = three_figures(1e3 * float(curve.displacement[-1]))
+        end = f"The curve stops at {last} mm, where no motion was found that fits its forces. "
     if curve.proved:
         return f"{end}The check takes it as ended there." if end else ""
     proved, count = curve.proved_steps, len(curve.misfit)
-    worst, place = float(curve.misfit[proved:].max()), 1e3 * float(curve.displacement[proved - 1])
+    worst, place = float(curve.misfit[proved:].max()), three_figures(1e3 * float(curve.displacement[proved - 1]))
     missed = f": motions miss their forces by up to {100 * worst:.2g} %" if worst > 0.01 else ""
     if curve.jumps.any():
         missed = ": the structure jumps on the way, or stones of it hang, and these load factors are no equilibria"
     taken = "as ended before them" if ended else "as it was found"
     taken += ", which withstands less" if compared else ""
     return (
-        f"{end}From step {proved + 1} of {count} on, beyond {place:.3g} mm, not every step of the curve is proved{missed}. "
+        f"{end}From step {proved + 1} of {count} on, beyond {place} mm, not every step of the curve is proved{missed}. "
         f"The check takes the curve {taken}."
     )
 
@@ -225,7 +226,7 @@ def _limit_state(name: LimitName, found: LimitStateCapacity, demand: Demand, gro
 def _governs(found: LimitStateCapacity, force: SafetyCheck, *, cut: bool) -> str:
     """Return the sentence on which of the two checks governs, and why; cut: whether the check ends the curve where its proofs do,
     so that little travel is no property of the mechanism."""
-    q, other, reach = force.q, force.a_g_slv, f"The mechanism may go {found.displacement * 1e3:.3g} mm"
+    q, other, reach = force.q, force.a_g_slv, f"The mechanism may go {three_figures(found.displacement * 1e3)} mm"
     if cut and found.ground < other:
         why = (
             f"{reach} as far as the curve is proved, and how much further it goes is not known: the smaller value is for want of "

@@ -16,6 +16,7 @@ from churchpipe.model.block_curve import ALIKE, BlockCapacityCurve, step_differe
 from churchpipe.model.checks import UNRELIABLE, DisplacementCheck
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.placed_loads import Applied
+from churchpipe.wording import three_figures
 
 # Curves further apart than this share of the first load factor are not one curve.
 APART = 0.1
@@ -64,9 +65,8 @@ def _apart(curve: BlockCapacityCurve, halved: BlockCapacityCurve) -> str:
         return "With steps half as long the curve has no steps."
     if share < ALIKE:
         return "With steps half as long the curve is the same."
-    told = (
-        f"With steps half as long the curve is up to {100 * share:.2g} % of its first load factor away, at {1e3 * place:.3g} mm."
-    )
+    at = f"at {three_figures(1e3 * place)} mm"
+    told = f"With steps half as long the curve is up to {100 * share:.2g} % of its first load factor away, {at}."
     if share <= APART:
         return told
     return f"{told} More than one motion fits these stones, and little decides between them: {UNRELIABLE}."

@@ -26,7 +26,7 @@ from churchpipe.model.swept import friction_of_material
 from churchpipe.report.safety import NOT_SATISFIED, verdict, what_moves
 from churchpipe.report.table import factor_words, interval_text
 from churchpipe.text_table import TextTable
-from churchpipe.wording import counted, four_figures
+from churchpipe.wording import counted, four_figures, three_figures
 
 # Between two lines of progress of one stage, seconds: on a terminal, and where each line stays.
 PAUSE, PATIENCE = 0.25, 30.0
@@ -353,7 +353,9 @@ def _movement(record: Movement) -> str:
     (ultimate, unit), (places, _) = in_unit(record, "ultimate"), in_unit(record, "displacement")
     # Of a path that nothing ended the last movement is known, of a support that did not move at all not even that.
     far = ultimate if math.isfinite(ultimate) else next(iter(places[-1:]), 0.0)
-    widest = "".join(f"{1e3 * crack.opening:.3g} mm in {crack.place}" for crack in record.cracks[:1] if crack.opening > _SHUT)
+    widest = "".join(
+        f"{three_figures(1e3 * crack.opening)} mm in {crack.place}" for crack in record.cracks[:1] if crack.opening > _SHUT
+    )
     name = named_of(record.movement, record.variant, record.swept)
     end = ENDINGS.get(record.ending, record.ending)
     return f"Support {name}: at {far:.4g} {unit} {end}; widest crack {widest or 'none'}{_reaction(record)}"

@@ -23,6 +23,11 @@ def in_runs(numbers: Iterable[int]) -> str:
     return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs)
 
 
+def three_figures(value: float) -> str:
+    """Return a quantity to three figures, a large one in whole numbers: how many mm a facade leans."""
+    return f"{value:,.0f}" if abs(value) >= 99.95 else f"{value:.3g}"
+
+
 def four_figures(value: float) -> str:
     """Return a quantity to four figures, a large one in whole numbers and never as a power of ten: the weight of a church."""
     return f"{value:,.0f}" if abs(value) >= 999.95 else f"{value:.4g}"

@@ -10,7 +10,7 @@ from churchpipe.errors import InputError
 from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.terminal import results_table
-from churchpipe.wording import counted, four_figures, in_runs
+from churchpipe.wording import counted, four_figures, in_runs, three_figures
 from command_line import call
 from records import summary
 from solids import box, on_ground
@@ -71,3 +71,8 @@ def test_errors_end_with_one_mark(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="errors:") as error:
         read_case(tmp_path / "a.toml")
     assert str(error.value).endswith('Did you mean "length_m"?')
+
+
+def test_lengths_are_no_powers_of_ten() -> None:
+    found = [three_figures(value) for value in (0.02289, 9.995, 99.96, 153.4, -1234.6)]
+    assert found == ["0.0229", "9.99", "100", "153", "-1,235"]

@@ -10,6 +10,7 @@ from churchpipe.model.block_curve import ALIKE
 from churchpipe.model.swept import setting
 from churchpipe.report.plots import WIDTH, legend_below, new_plot, svg_of
 from churchpipe.report.table import by_material
+from churchpipe.wording import three_figures
 
 _ENDINGS = {
     "vanished": "the load factor has vanished",
@@ -89,7 +90,7 @@ def control_words(record: Analysis) -> str:
 def _sentence(record: Analysis) -> str:
     last = (record.displacement or (0.0,))[-1] if record.d0 is None or math.isnan(record.d0) else record.d0
     fell = zip(record.fallen_stones or (), record.fell_at or (), strict=True)
-    names = ", ".join(f"{name} (at {at * 1e3:.3g} mm)" for name, at in fell)
+    names = ", ".join(f"{name} (at {three_figures(at * 1e3)} mm)" for name, at in fell)
     fallen = f". On the way fell {names}" if names else ""
     start = f"{curve_label(record)}: it starts at a load factor of {record.load_factor:.4f}"
     end = f"{start} and ends at {last * 1e3:.4g} mm, where {_ENDINGS[str(record.ending)]}{fallen}."
@@ -108,7 +109,7 @@ def _not_proved(record: Analysis) -> str:
     places, proved = record.displacement or (), _proved(record)
     if proved == len(places):
         return ""
-    beyond = f"Beyond {1e3 * places[proved - 1]:.3g} mm" if proved else "From the first step on"
+    beyond = f"Beyond {three_figures(1e3 * places[proved - 1])} mm" if proved else "From the first step on"
     return f" {beyond} (hollow points) the steps are not proved: do not rely on load factors and displacements from there on."
 
 
@@ -118,6 +119,6 @@ def _halved(record: Analysis) -> str:
     if again is None or not again.displacement:
         return ""
     last = again.displacement[-1] if math.isnan(again.d0) else again.d0
-    away = f"up to {100 * again.difference:.2g} % of the first load factor away, at {1e3 * again.difference_at:.3g} mm"
+    away = f"up to {100 * again.difference:.2g} % of the first load factor away, at {three_figures(1e3 * again.difference_at)} mm"
     away = "the same" if again.difference < ALIKE else away
     return f" With steps half as long (dotted) it is {away}, and ends at {last * 1e3:.4g} mm, where {_ENDINGS[again.ending]}."

@@ -11,6 +11,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.report import colours
 from churchpipe.report.plots import new_plot, svg_of
+from churchpipe.wording import three_figures
 
 # Inches: two maps stand beside each other.
 _MAP = 4.8
@@ -77,7 +78,7 @@ def _draw(plot: Any, axes: Any, outlines: list[FloatArray], lines: list[FloatArr
     # Figures stand out against joints as dark as they are.
     halo = [withStroke(linewidth=2.0, foreground="white")]
     for i in _apart(order[::-1], lines):
-        middle, text = _middle(lines[i]), f"{width[i]:.3g}"
+        middle, text = _middle(lines[i]), three_figures(width[i])
         axes.annotate(text, middle, xytext=(3, 3), textcoords="offset points", fontsize=8, path_effects=halo)
     axes.autoscale_view()
     bar = plot.colorbar(joints, ax=axes, shrink=0.7)

@@ -15,6 +15,7 @@ from churchpipe.report import colours
 from churchpipe.report.cracks import counted_on, crack_map_svg
 from churchpipe.report.plots import WIDTH, new_plot, svg_of
 from churchpipe.report.table import figure, minus, named_of
+from churchpipe.wording import three_figures
 
 Moved = tuple[Movement, Assemblage, Contacts, SettlementPath]
 # Walls with cracks of this share of the widest have a map, and so many of them.
@@ -93,6 +94,6 @@ def _maps(record: Movement, stones: Assemblage, contacts: Contacts, path: Settle
             opening, _ = path_cracks(stones, contacts, path, step)
             drawn = crack_map_svg(stones, contacts, np.where(bears, opening, 0.0), wall)
             if drawn:
-                words = f"{wall or 'Stones of no wall'}, movement {movement[step]:.3g} {length}"
+                words = f"{wall or 'Stones of no wall'}, movement {three_figures(movement[step])} {length}"
                 maps.append((f"{words}; lengths {counted_on(stones, wall)}", drawn))
     return maps

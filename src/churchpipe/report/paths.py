@@ -20,6 +20,7 @@ from churchpipe.report.frames import frames, placed
 from churchpipe.report.motion import push_direction, viewpoint
 from churchpipe.report.packing import packed
 from churchpipe.report.table import minus
+from churchpipe.wording import three_figures
 
 Followed = tuple[Analysis, BlockCapacityCurve]
 # Crack maps show the joints at this share of d0, the life safety limit state, and so many walls at the most, those with cracks of
@@ -115,7 +116,7 @@ def _words(curve: BlockCapacityCurve, step: int) -> str:
     proof = ""
     if step >= curve.proved_steps:
         proof = ", no equilibrium" if curve.jumps[step] else ", not proved"
-    gone, factor = (minus(text) for text in (f"{1e3 * curve.displacement[step]:.3g}", f"{curve.load_factor[step]:z.4f}"))
+    gone, factor = (minus(text) for text in (three_figures(1e3 * curve.displacement[step]), f"{curve.load_factor[step]:z.4f}"))
     return f"{gone} mm, load factor {factor}{proof}"
 
 
