@@ -162,6 +162,20 @@ def test_a_support_that_nothing_needs_is_left_at_once() -> None:
     assert path.movement[-1] < 0.2
 
 
+def test_a_path_ends_where_what_rests_on_the_support_has_parted_from_the_rest() -> None:
+    # A pile of 1 m goes down with its ground beside a wall that it does not touch: once it has gone by its own height, nothing
+    # more will happen.
+    pile = box((0, 1), (0, 1), (0, 0.5)), box((0, 1), (0, 1), (0.5, 1))
+    stones = cp.Assemblage.from_polyhedra(
+        [box((0, 1), (0, 1), (-1, 0)), box((1.5, 3), (0, 1), (-1, 0)), *pile, box((1.5, 3), (0, 1), (0, 3))], 18e3, fixed=[0, 1]
+    )
+    path = cp.settlement_path(stones, cp.find_contacts(stones), [0], step=0.05)
+    assert (path.status, path.fallen) == ("parted", ())
+    assert path.reaction == pytest.approx(18e3, rel=1e-6)
+    assert 1.0 <= path.movement[-1] < 1.1
+    assert np.isnan(path.ultimate)
+
+
 def test_a_bearing_that_turns() -> None:
     stones = cp.Assemblage.from_polyhedra(
         [box((0, 0.5), (0, 1), (0, 1)), box((3.5, 4), (0, 1), (0, 1)), box((0, 4), (0, 1), (1, 1.5))], 18e3, fixed=[0, 1]

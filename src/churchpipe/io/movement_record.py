@@ -20,6 +20,7 @@ from churchpipe.model.settlement import SettlementPath
 ENDINGS = {
     "collapsed": "the structure collapses",
     "free": "nothing rests on the support any more and the structure stands without it",
+    "parted": "what rests on the support has parted from the structure, which stands without it",
     "unfinished": "it was not followed further",
     "unbounded": "the stones hold the support fast",
     "not-converged": "a step was not solved",

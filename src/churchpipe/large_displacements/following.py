@@ -12,7 +12,7 @@ from churchpipe.large_displacements.path_state import PathState
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.wording import counted
 
-EndingName = Literal["vanished", "free", "collapsed", "unfinished", "unbounded", "not-converged"]
+EndingName = Literal["vanished", "free", "parted", "collapsed", "unfinished", "unbounded", "not-converged"]
 
 
 @dataclass(frozen=True, slots=True)

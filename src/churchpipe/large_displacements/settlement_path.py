@@ -8,6 +8,7 @@ from typing import cast
 import numpy as np
 import numpy.typing as npt
 
+from churchpipe.geometry.clusters import components
 from churchpipe.large_displacements.control import SupportTravel
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_around
@@ -19,7 +20,7 @@ from churchpipe.large_displacements.record import Record
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.settlement import resistance, settlement_analysis, settlement_model
 from churchpipe.large_displacements.supports import SupportMovement
-from churchpipe.mechanism import reference_speed, stone_speed
+from churchpipe.mechanism import reference_speed, stone_of_point, stone_speed
 from churchpipe.model.arguments import check_call, check_kind
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -170,6 +171,7 @@ class _Movement(Record):
     ) -> None:
         super().__init__(model, SupportTravel(cast(SupportMovement, model.driven)))
         self.furthest, self.steps, self.progress, self.keep, self.least = furthest, steps, progress, keep, least
+        self.parted_at = np.inf
 
     @property
     def left(self) -> float:
@@ -193,12 +195,31 @@ class _Movement(Record):
         pressed = float(step.answer.forces[: len(step.rate), 0][upon].sum())
         if max(-step.answer.load_factor, pressed) < PATH.nothing and _stand_still(self.model, step.speed):
             return Ending("free", "nothing rests on the support any more: the structure stands without it")
+        apart = self._apart(step)
+        self.parted_at = min(self.parted_at, self.displacement[-1]) if apart else np.inf
+        if self.displacement[-1] - self.parted_at > apart:
+            return Ending("parted", "what rests on the support has parted from the structure, which stands without it")
         if self.keep:
             self.keep(self.path(Ending("unfinished", "interrupted"), 0.0))
         if self.progress:
             share = self.displacement[-1] / self.furthest if self.furthest else len(self.displacement) / self.steps
             self.progress("movement of a support", min(share, 1.0))
         return None
+
+    def _apart(self, step: PathStep) -> float:
+        """Return how long what rests on the support is along its movement, m, if it presses on nothing else; 0 if it does.
+
+        Once it has gone so far, it can meet nothing that was beside it. What turns may.
+        """
+        driven, joints = cast(SupportMovement, self.model.driven), step.state.joints
+        pressed = joints.pair[step.answer.forces[: len(step.rate), 0] > PATH.nothing]
+        part = components(self.model.stones.count, pressed)
+        own = np.isin(part, part[driven.stones])
+        own[driven.stones] = False
+        if driven.about is not None or not own.any() or self.model.stones.fixed[own].any():
+            return 0.0
+        along = self.model.stones.points[own[stone_of_point(self.model.stones)]] @ driven.direction
+        return float(np.ptp(along))
 
     def drops(self, step: PathStep, /) -> bool:
         """True where the structure falls on the way to a step."""

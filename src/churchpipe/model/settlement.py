@@ -12,8 +12,8 @@ from churchpipe.model.card import Shown
 from churchpipe.model.pictures import diagram
 from churchpipe.model.stone_path import StonePath
 
-SettlementEnding = Literal["collapsed", "free", "unfinished", "unbounded", "not-converged", "unstable", "failed"]
-SETTLEMENT_ENDINGS = ("collapsed", "free", "unfinished", "unbounded", "not-converged", "unstable", "failed")
+SettlementEnding = Literal["collapsed", "free", "parted", "unfinished", "unbounded", "not-converged", "unstable", "failed"]
+SETTLEMENT_ENDINGS = ("collapsed", "free", "parted", "unfinished", "unbounded", "not-converged", "unstable", "failed")
 SettlementStatus = Literal["optimal", "not-converged", "unstable", "unbounded", "failed"]
 
 
@@ -65,8 +65,9 @@ class SettlementPath(Shown, StonePath):
     fit a motion. least: N, or Nm, the least reaction as drawn of all equilibria, from an associative analysis, its bounds proved.
 
     status: "collapsed" stones fell that cannot be spared, at the last movement; "free" nothing rests on the support any more;
-    "unfinished" the steps or the movement asked for were used up; "unbounded" the stones hold the support fast; "not-converged" a
-    step's program was not solved; "unstable" the dead load alone brings it down; "failed".
+    "parted" what does bears nothing else, and has gone on with it by its own size; "unfinished" the steps or the movement asked
+    for were used up; "unbounded" the stones hold the support fast; "not-converged" a step's program was not solved; "unstable"
+    the dead load alone brings it down; "failed".
     """
 
     movement: FloatArray
