@@ -18,6 +18,8 @@ _MAP = 4.8
 # Joints open by less than this share of the widest, or by less than so many metres, are drawn shut; so many of the widest have
 # their figure.
 _SHUT, _INVISIBLE, _FIGURES = 0.01, 1e-6, 6
+# Width and height of a figure, as shares of the larger side of the elevation.
+_FIGURE = np.array([0.12, 0.05])
 # Joints that are seen no wider than this share of their length are seen on edge.
 _ON_EDGE = 0.1
 
@@ -77,7 +79,7 @@ def _draw(plot: Any, axes: Any, outlines: list[FloatArray], lines: list[FloatArr
     axes.add_collection(joints)
     # Figures stand out against joints as dark as they are.
     halo = [withStroke(linewidth=2.0, foreground="white")]
-    for i in _apart(order[::-1], lines):
+    for i in _apart(order[::-1], lines, np.ptp(np.concatenate(outlines), axis=0).max()):
         middle, text = _middle(lines[i]), three_figures(width[i])
         axes.annotate(text, middle, xytext=(3, 3), textcoords="offset points", fontsize=8, path_effects=halo)
     axes.autoscale_view()
@@ -86,14 +88,13 @@ def _draw(plot: Any, axes: Any, outlines: list[FloatArray], lines: list[FloatArr
     bar.ax.tick_params(labelsize=8)
 
 
-def _apart(order: IntArray, lines: list[FloatArray]) -> list[int]:
-    """Return some of the joints in this order, each a good way from those before."""
-    middle = np.array([_middle(line) for line in lines])
-    size, chosen = float(np.ptp(middle, axis=0).max()) if len(middle) else 0.0, list[int]()
+def _apart(order: IntArray, lines: list[FloatArray], size: float) -> list[int]:
+    """Return some of the joints in this order, whose figures do not cover each other on an elevation of this size, m."""
+    middle, chosen = np.array([_middle(line) for line in lines]), list[int]()
     for i in order.tolist():
         if len(chosen) == _FIGURES:
             break
-        if all(float(np.linalg.norm(middle[i] - middle[j])) > 0.12 * size for j in chosen):
+        if all(float(np.abs((middle[i] - middle[j]) / _FIGURE).max()) > size for j in chosen):
             chosen.append(i)
     return chosen
 

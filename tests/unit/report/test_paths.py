@@ -3,6 +3,7 @@
 import base64
 import re
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -127,6 +128,21 @@ def test_crack_maps_begin_at_the_end_of_their_wall() -> None:
         assert "0.0" in texts
     assert drawn[0] == drawn[1]
     assert set(drawn[0]) == set(drawn[2])
+
+
+def test_figures_of_a_crack_map_do_not_cover_each_other() -> None:
+    # Two cracks 1 m apart in a wall of 12 m have one figure, two 5 m apart have theirs: one piece of text more.
+    row = on_ground(*(box((i, i + 1), (0, 0.5), (0, 1)) for i in range(12)))
+    stones = replace(row, panel=np.array(["ground", *["row"] * 12]))
+    contacts = cp.find_contacts(stones)
+    place = np.array([contacts.point[first:last, 0].mean() for first, last in pairwise(contacts.point_ptr)]).round(9)
+    near, far = (
+        crack_map_svg(stones, contacts, np.where((contacts.kind == "head") & np.isin(place, at), 7e-3, 0.0), "row").count(
+            'id="text_'
+        )
+        for at in ((1.0, 2.0), (1.0, 6.0))
+    )
+    assert far == near + 1
 
 
 def test_a_joint_seen_from_the_front_is_no_crack_across_a_stone() -> None:
