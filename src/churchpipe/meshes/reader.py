@@ -3,7 +3,7 @@
 import hashlib
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any, Final
@@ -157,7 +157,7 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
         remedy = f"Name the ground so, fix it in the program that made the file, {UNNAMED}"
         stones = supported(stones, reading.support, findings, GROUND, remedy) if stones else stones
         stones = uniquely_named(stones, findings)
-        findings += slivers(stones)
+        findings += slivers(stones) + (_lying(stones, source.up) if reading.up is None else [])
     weights, unweighted = unit_weights(stones, (), weights_given, findings)
     weights[: len(share)] *= share
     collected = Findings(path.name, tuple(finding.in_metres(1.0) for finding in findings), source.reader)
@@ -167,6 +167,17 @@ def read_file(path: str | os.PathLike[str], *, unit_weight: float | Mapping[str,
     if not reading.laid:
         found = named_by_parts(found, [stone.layer for stone in stones], reading.kept_joint)
     return Drawing(found, (), (), collected, unit, unweighted)
+
+
+def _lying(stones: Sequence[Stone], up: str) -> list[Finding]:
+    """Return the finding of a building that seems to lie on its side: its ground is as high as all of it and as low."""
+    ground, free = ([stone.points[:, 2] for stone in stones if stone.fixed == fixed] for fixed in (True, False))
+    if not (ground and free):
+        return []
+    low, high = (edge(np.concatenate(free)) for edge in (np.min, np.max))
+    if min(map(np.min, ground)) > low or max(map(np.max, ground)) < high:
+        return []
+    return [Finding("W45", f"{up} was taken to point up, and the ground reaches from below all stones to above them")]
 
 
 def _named_by_groups(stones: list[Stone]) -> list[Stone]:

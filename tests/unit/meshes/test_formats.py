@@ -209,6 +209,17 @@ def test_any_axis_may_point_up(up: str, columns: list[int], signs: list[int], tm
     assert load_factor(read) == pytest.approx(load_factor(stones), rel=1e-6)
 
 
+@pytest.mark.parametrize(("columns", "said"), [([0, 2, 1], True), ([2, 1, 0], True), ([0, 1, 2], False)])
+def test_a_building_that_lies_on_its_side_is_told_of(columns: list[int], said: bool, tmp_path: Path) -> None:
+    # Its plate of ground stands upright beside it, and is as high as the building is long.
+    turned = [(points[:, columns] * [1, 1, -1 if said else 1], faces) for _, points, faces, _ in solids(wall())]
+    path = write_obj(Assemblage.from_polyhedra(turned, 1.0, fixed=[0]), tmp_path / "lying.obj")
+    _, findings = cp.read_stones(path, units="m", unit_weight=18e3)
+    assert [finding.code for finding in findings.warnings if "point up" in finding.found] == ["W45"] * said
+    _, findings = cp.read_stones(path, units="m", up="z", unit_weight=18e3)
+    assert all(finding.code != "W45" for finding in findings.warnings)
+
+
 def named(stones: Assemblage, **names: list[str]) -> Assemblage:
     return replace(stones, **{key: np.array(value) for key, value in names.items()})
 
