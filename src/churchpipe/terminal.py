@@ -350,15 +350,14 @@ def _named(record: Analysis) -> str:
 def _movement(record: Movement) -> str:
     from churchpipe.report.table import named_of
 
-    (ultimate, unit), (places, _) = in_unit(record, "ultimate"), in_unit(record, "displacement")
-    # Of a path that nothing ended the last movement is known, of a support that did not move at all not even that.
-    far = ultimate if math.isfinite(ultimate) else next(iter(places[-1:]), 0.0)
-    widest = "".join(
-        f"{three_figures(1e3 * crack.opening)} mm in {crack.place}" for crack in record.cracks[:1] if crack.opening > _SHUT
-    )
     name = named_of(record.movement, record.variant, record.swept)
-    end = ENDINGS.get(record.ending, record.ending)
-    return f"Support {name}: at {far:.4g} {unit} {end}; widest crack {widest or 'none'}{_reaction(record)}"
+    if record.ending not in ENDINGS:
+        return f"Support {name}: it could not be moved, {record.message or record.ending}"
+    (ultimate, unit), (places, _) = in_unit(record, "ultimate"), in_unit(record, "displacement")
+    far = ultimate if math.isfinite(ultimate) else next(iter(places[-1:]), 0.0)
+    wide = [crack for crack in record.cracks[:1] if crack.opening > _SHUT]
+    widest = "".join(f"{three_figures(1e3 * crack.opening)} mm in {crack.place}" for crack in wide)
+    return f"Support {name}: at {far:.4g} {unit} {ENDINGS[record.ending]}; widest crack {widest or 'none'}{_reaction(record)}"
 
 
 def _reaction(record: Movement) -> str:

@@ -626,6 +626,10 @@ def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFi
     _, out, _ = call(capsys, "show", tmp_path)
     assert "Support pier: at 61.5 mm it was not followed further" in out
     assert "Support pier: at 0 mm it was not followed further" in out
+    # One of a structure that does not stand has no place, no crack and no reaction.
+    none = unfinished | {"movement_mm": [], "reaction_kN": [], "ending": "unstable", "status": "unstable"}
+    write_json(tmp_path / "summary.json", summary | {"movements": [none | {"message": "the dead load alone brings it down"}]})
+    assert "Support pier: it could not be moved, the dead load alone brings it down\n" in call(capsys, "show", tmp_path)[1]
     shut = movement | {"cracks": [{"wall": "nave", "opening_mm": 6e-6, "slip_mm": 0.0}]}
     write_json(tmp_path / "summary.json", summary | {"movements": [shut]})
     assert "widest crack none" in call(capsys, "show", tmp_path)[1]
