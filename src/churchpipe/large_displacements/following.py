@@ -10,6 +10,7 @@ from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path import PathStep, may_go_on, next_state, solve_state, without, withstands_nothing
 from churchpipe.large_displacements.path_state import PathState
 from churchpipe.large_displacements.settings import PATH
+from churchpipe.mechanism import reference_speed
 from churchpipe.wording import counted
 
 EndingName = Literal["vanished", "free", "parted", "collapsed", "unfinished", "unbounded", "not-converged"]
@@ -64,6 +65,7 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
     that place is known to `PATH.located` of a step. So it does where a large model has gone from a step that is proved to one
     that is not, until it goes less far than `PATH.nearer` of a step. last: the step that led to the state, where it is known.
     """
+    tiny = 0
     for _ in range(steps):
         model, state = shrunk(model, state, rings)
         fallen: list[PathStep] = []
@@ -87,6 +89,9 @@ def follow(model: MovingModel, state: PathState, steps: int, record: Steps, ring
             record.fall(each)
         if (ending := _no_further(model, state, step) or record.add(step)) is not None:
             return ending
+        tiny = 0 if _proved(step) or step.way * reference_speed(step.speed) > PATH.shortest * model.step else tiny + 1
+        if tiny == PATH.stalled:
+            return Ending("not-converged", f"the structure jumps here, and {tiny} tiny steps found no way on")
         last = Departure(model, step.way, partial(next_state, model, step), _proved(step))
         state = next_state(model, step, record.left)
     return Ending("unfinished", "all steps asked for were used up")

@@ -63,13 +63,14 @@ class Motions:
         """Return the few light stones (nb,) that leave all others behind; by less very few, in a motion that does not fit.
 
         Where all others are faster than before as well, the structure jumps: then the fastest ones may come to rest again. In a
-        large model, whose stones waver, that does not tell.
+        large model, whose stones waver, that does not tell, and where steps have become tiny they do not come to rest.
         """
         speed, before, weight = stone_speed(self.stones, self.velocities(y)), self.state.fastest, self.model.stones.weight
         ahead = stones_ahead(speed, before, weight, self.spared, PATH.faster)
         if rests:
             ahead |= stones_ahead(speed, before, weight, PATH.few * self.spared, self.model.demands.faster)
-        jumps = not self.model.large and float(speed[~ahead].max(initial=0.0)) > PATH.jump * before
+        may_rest = not self.model.large and self.state.length > PATH.shortest * self.model.step
+        jumps = may_rest and float(speed[~ahead].max(initial=0.0)) > PATH.jump * before
         return ahead & (not jumps)
 
     @property

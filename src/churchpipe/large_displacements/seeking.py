@@ -37,6 +37,11 @@ def sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Floa
         return attempt
     if attempt.answer.outcome == "infeasible" and light(model, state, motions.falling(attempt.answer)):
         return attempt
+    if not model.large:
+        # Very few stones are not taken to hang on joints that are open, if only a little. Many may yet come to rest on them.
+        for wide, share in ((PATH.open, 1.0), (PATH.drift, PATH.few)):
+            if (fall := unsupported_fall(motions, program, gap, wide, share)) is not None:
+                return Attempt(fall, last.length)
     return _better(attempt, search.by_programs(sliding, programs, pairs))
 
 
@@ -86,11 +91,13 @@ def _of_large(
     return attempt
 
 
-def unsupported_fall(motions: Motions, program: StepProgram, gap: FloatArray, wide: float) -> StepAnswer | None:
+def unsupported_fall(
+    motions: Motions, program: StepProgram, gap: FloatArray, wide: float, share: float = 1.0
+) -> StepAnswer | None:
     """Return the fall of a few light stones that their neighbours cannot carry, None where there are none such.
 
     Joints that have opened carry nothing, by more than the share `wide` of the step. The programs of the step would let a stone
-    hang on them, at the price of their gaps.
+    hang on them, at the price of their gaps. share: of the weight that may fall out, which those that fall do not exceed.
     """
     strength, fallen = program.strength, np.zeros(len(motions.stones.weight), dtype=bool)
     for bound in (np.where(_open(motions.model, gap, wide), 0.0, strength.bound), strength.bound):
@@ -99,7 +106,7 @@ def unsupported_fall(motions: Motions, program: StepProgram, gap: FloatArray, wi
         fallen[motions.free] = falling
         if not falling.any():
             return None
-        if light(motions.model, motions.state, fallen):
+        if float(motions.model.stones.weight[fallen].sum()) <= share * motions.spared:
             return _fall_of(falling, program)
     return None
 

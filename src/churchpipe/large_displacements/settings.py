@@ -46,20 +46,21 @@ class PathSettings:
     """Lengths of steps, rounds of programs and errors within which a step is proved. Shares are relative unless a unit is given.
 
     Length of a step:
-        step, reach: largest displacement of a step, and how far apart points may be that can still come to bear, over the
-        median thickness of the stones that move. turn: largest rotation, rad. right: a length that is right within this factor is
-        kept; shortest: one shorter than this share of the largest ends the path. least_charge: a step may charge its gaps as if
-        it were this much shorter than the last one, however short it is then: where a few stones run ahead of all others, every
-        sliding joint would else count as open. snapping: nor as if it were shorter than this share of the largest, m per unit of
-        work: where the load does no work, as in a snap, every step would else be a tenth of the one before, until its program
-        has no solution in the numbers of a computer. drop: where the load factor falls by more than this share of the first one
-        within a step, the place is sought to `located` of it; bend: or, unless the model is large, by this share more than it
-        would along the last step, as when a joint stops sliding or another hinge opens. nearer: where a step of a large model is
-        not proved, it is sought from nearer places, the last of them within this share of the step before. lengths: times that
-        pairs of programs are begun, each with the length of step of the last motion. open: a joint of a large model that is wider
-        than this share of the step holds nothing as it begins. drift: a gap narrower than this share of the step is one that
-        steps make themselves; forces across wider ones are told as a jump, and hold no stone of a large model where no motion
-        fits.
+        step, reach: largest displacement of a step, and how far apart points may be that can still come to bear, over the median
+        thickness of the stones that move. turn: largest rotation, rad. right: a length that is right within this factor is kept;
+        shortest: a step below this share of the largest is tiny, and stones that run ahead in it fall, though the structure
+        jumps; stalled: so many tiny steps in a row that are not proved end the path. least_charge: a step may charge its gaps as
+        if it were this much shorter than the last one, however short it is then: where a few stones run ahead of all others,
+        every sliding joint would else count as open. snapping: nor as if it were shorter than this share of the largest, m per
+        unit of work: where the load does no work, as in a snap, every step would else be a tenth of the one before, until its
+        program has no solution in the numbers of a computer. drop: where the load factor falls by more than this share of the
+        first one within a step, the place is sought to `located` of it; bend: or, unless the model is large, by this share more
+        than it would along the last step, as when a joint stops sliding or another hinge opens. nearer: where a step of a large
+        model is not proved, it is sought from nearer places, the last of them within this share of the step before. lengths:
+        times that pairs of programs are begun, each with the length of step of the last motion. open: a joint that is wider than
+        this share of the step holds nothing, in a large model as the step begins, in a smaller one where no motion fits. drift: a
+        gap narrower than this share of the step is one that steps make themselves; forces across wider ones are told as a jump,
+        and hold no stone of a large model, and very few of a smaller one, where no motion fits.
 
     Programs of a step:
         first_programs, programs: as drawn, where the sliding is unknown, and later. pairs: of programs that make forces and
@@ -108,6 +109,7 @@ class PathSettings:
     turn: float = 0.02
     right: float = 1.6
     shortest: float = 1e-3
+    stalled: int = 25
     least_charge: float = 0.04
     snapping: float = 1e-6
     drop: float = 0.1
@@ -159,7 +161,18 @@ class PathSettings:
     nothing: float = 1e-7
 
     def __post_init__(self) -> None:
-        no_shares = ("jump", "lengths", "first_programs", "programs", "pairs", "rounds", "whole_way", "large", "strongest")
+        no_shares = (
+            "jump",
+            "stalled",
+            "lengths",
+            "first_programs",
+            "programs",
+            "pairs",
+            "rounds",
+            "whole_way",
+            "large",
+            "strongest",
+        )
         factors = ("right", "faster", "deeper", "further")
         shares = [item.name for item in fields(self) if item.name not in (*no_shares, *factors)]
         check_constants(self, below_one=shares, above_one=factors)

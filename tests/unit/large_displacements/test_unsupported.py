@@ -11,6 +11,7 @@ from churchpipe.conic.solve import solver_for
 from churchpipe.conic.wrenches import pair_wrenches
 from churchpipe.large_displacements.motions import Motions
 from churchpipe.large_displacements.moving_model import MovingModel, moving_model
+from churchpipe.large_displacements.path import solve_state
 from churchpipe.large_displacements.path_state import first_state
 from churchpipe.large_displacements.search import Attempt, StepSearch
 from churchpipe.large_displacements.seeking import unsupported_fall
@@ -78,6 +79,43 @@ def test_a_stone_hangs_on_joints_that_are_hardly_open_only_where_a_motion_fits(s
     fall = unsupported_fall(motions, program, gap, PATH.drift)
     assert (fall is not None) == falls
     assert fall is None or motions.falling(fall).nonzero()[0].tolist() == [free[2]]
+    # It weighs less than a hundredth of what moves, and more than a thousandth.
+    assert (unsupported_fall(motions, program, gap, PATH.drift, 0.2) is not None) == falls
+    assert unsupported_fall(motions, program, gap, PATH.drift, 0.02) is None
+
+
+@pytest.mark.parametrize(
+    ("size", "share", "falls"),
+    [
+        # Very few by weight, a thousandth of what moves, fall even from joints that have hardly opened.
+        (0.5, 0.5 * PATH.drift, False),
+        (0.5, 2.0 * PATH.drift, True),
+        # Others fall from joints that are open by a quarter of the step.
+        (2.0, 2.0 * PATH.drift, False),
+        (2.0, 2.0 * PATH.open, True),
+    ],
+)
+def test_in_a_small_model_stones_that_hang_fall_where_no_motion_fits(
+    monkeypatch: pytest.MonkeyPatch, size: float, share: float, falls: bool
+) -> None:
+    beside = box((0, 4), (0, 4), (0, 4)), box((0, 4), (4.5, 8.5), (0, 4))
+    stones = on_ground(*beside, box((0, size), (4, 4.5), (1, 1 + size)))
+    model, small = model_of(stones), int(np.flatnonzero(~stones.fixed)[2])
+    state = first_state(model)
+    joints = replace(state.joints, rest=state.joints.rest - share * model.step * (state.joints.pair == small).any(axis=1))
+    state = replace(state, joints=replace(joints, pressing=np.ones_like(joints.pressing)))
+    monkeypatch.setattr(StepSearch, "by_pairs", lambda _, attempt, *__: attempt)
+
+    def searched(*_: object) -> Attempt:
+        raise RuntimeError("a motion is sought from nothing")
+
+    monkeypatch.setattr(StepSearch, "by_programs", searched)
+    assert not model.large
+    if not falls:
+        with pytest.raises(RuntimeError, match="from nothing"):
+            solve_state(model, state)
+        return
+    assert solve_state(model, state).falling.nonzero()[0].tolist() == [small]
 
 
 @pytest.mark.parametrize(("foot", "falls"), [(1.0, True), (0.0, False)])
