@@ -39,6 +39,8 @@ _BEHAVIOUR = Quantity(low=1, usual=Usual(1, 4, "2 for local mechanisms, at most 
 _FIRST_LEVEL = 1.25
 _PEAK = Usual(1.8, 3.5, "F0 is 2.2 to 3.2")
 _LAST = Usual(0.8, 20, "what rocks has some seconds, and beyond the table the displacement stays what it is there")
+# S_e(T1) of a floor that is read off a diagram of the spectrum is off it by no larger a share.
+_SAME_LEVEL = 0.1
 # A mechanism that begins no higher, m, is shaken as on the ground.
 _ABOVE = 0.5
 _CONFIDENCE = Quantity(low=1, usual=Usual(1, 1.35, "the code has 1, 1.2 and 1.35"))
@@ -123,11 +125,29 @@ class Site:
         if (self.soil_factor is None) != by_soil:
             problem = "a factor given twice" if by_soil else "missing key"
             raise InputError("check: soil_factor", problem, expected="either soil_factor or soil in [check.spectrum]")
-        doubt_fields(self, asked=self.table_questions)
+        doubt_fields(self, asked=self.questions)
 
     @property
-    def table_questions(self) -> list[str]:
-        """What to ask about a spectrum given as a table: whether it is one of this a_g and S, and in m/s2 and seconds."""
+    def questions(self) -> list[str]:
+        """What to ask about the spectrum, where other values of the site contradict it."""
+        return [*self._table_questions(), *self._period_questions()]
+
+    def _period_questions(self) -> list[str]:
+        """Return what to ask where S_e(T1) of the floor is not that of the spectrum."""
+        found = self.spectrum.of(self.ground_acceleration, self.soil_factor) if self.spectrum else None
+        if found is None or self.floor is None or self.floor.first_period is None:
+            return []
+        given, period = self.floor.spectral_acceleration, self.floor.first_period
+        level = found.acceleration(period, self.ground_acceleration, self.floor.damping_percent)
+        if abs(given - level) <= _SAME_LEVEL * level:
+            return []
+        return [
+            f"check.floor.spectral_acceleration_m_s2 is {given:.4g} m/s2, and the spectrum of the case has {level:.4g} m/s2 at "
+            f"first_period_s, {period:g} s. Is it meant?"
+        ]
+
+    def _table_questions(self) -> list[str]:
+        """Return what to ask about a spectrum given as a table: whether it is one of this a_g and S, and in m/s2 and seconds."""
         period, level = (self.spectrum.period, self.spectrum.level) if self.spectrum else (None, None)
         if not period or not level or self.soil_factor is None:
             return []

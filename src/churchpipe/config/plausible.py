@@ -120,7 +120,7 @@ def _of_case(case: "Case") -> Iterator[str]:
     if case.check is not None and case.check.spectrum is not None and case.rigid.curve is None:
         yield _NO_CURVE
     if case.check is not None:
-        yield from case.check.table_questions
+        yield from case.check.questions
     if case.shell is not None and "pushover" not in case.shell.analyses:
         for key, value in (("control_point", case.shell.control), ("steps", case.shell.steps)):
             if value is not None:
@@ -209,13 +209,13 @@ def _of_beams(case: "Case") -> Iterator[str]:
             one = beam.closed or beam.slab
             name = beam.bodies[0 if one else beam.walls.index(below[0])]
             there = (
-                "[[line_loads]] with between_m, at the height of its top,"
+                "[[line_loads]] with between_m at the height of its top"
                 if one
-                else f'the name of the beam, "{name}", as that of its wall'
+                else f'the name of the beam, "{name}", in place of that of the wall'
             )
             yield (
                 f"{key}.{number} lies on the masonry of {below[0]}, below the ring beam there, and does not press the beam down. "
-                f"On the beam it lies by {there}. Is it meant? Its height_m says so."
+                f"Is it meant? Then give it a height_m. To lay it on the beam, write {there}."
             )
 
 

@@ -274,6 +274,28 @@ def test_a_floor_out_of_all_reason_is_questioned(values: dict[str, float], words
     assert question.startswith(words)
 
 
+@pytest.mark.parametrize(
+    ("spectrum", "level", "said"),
+    [
+        # By hand, a_g = .15 g, S = 1.2: a_g S F0 = 4.413 m/s2 on the plateau, three quarters of it where T_C = .3 s.
+        ("F0 = 2.5\nTC_star_s = 0.5", 4.4, ""),
+        ("F0 = 2.5\nTC_star_s = 0.5", 3.1, "is 3.1 m/s2, and the spectrum of the case has 4.413 m/s2 at first_period_s, 0.4 s."),
+        ("F0 = 2.5\nTC_star_s = 0.3", 3.3, ""),
+        ("F0 = 2.5\nTC_star_s = 0.3", 4.5, "is 4.5 m/s2, and the spectrum of the case has 3.31 m/s2 at first_period_s"),
+        ("periods_s = [0, 0.2, 0.6, 2]\naccelerations_m_s2 = [1.8, 4.4, 4.4, 1.1]", 3.1, "has 4.4 m/s2 at first_period_s"),
+    ],
+)
+def test_a_floor_that_contradicts_the_spectrum_of_its_site_is_questioned(
+    spectrum: str, level: float, said: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(
+        f"{CASE.format(**SOUND)}[check.spectrum]\n{spectrum}\n[rigid.curve]\n[check.floor]\nheight_m = 1\nbuilding_height_m = 2\n"
+        f"storeys = 2\nspectral_acceleration_m_s2 = {level}\nfirst_period_s = 0.4\n"
+    )
+    assert [said in text for text in questions([read_case(path)])] == ([True] if said else [])
+
+
 @pytest.mark.parametrize(("wall", "asked"), [("", True), ('material = "tuff"\n', False)])
 def test_a_material_of_which_nothing_is_made_is_questioned(wall: str, asked: bool, tmp_path: Path) -> None:
     text, first = sample_case("house"), "[[source.walls]]\n"
@@ -482,9 +504,9 @@ BEAM = '[[ring_beams]]\nwalls = ["wall"]\nheight_m = 0.2\n'
 @pytest.mark.parametrize(
     ("beam", "load", "words"),
     [
-        ("", '[[line_loads]]\nwall = "wall"\ndead_kN_m = 1', 'On the beam it lies by the name of the beam, "beam on wall",'),
-        ("", '[[point_loads]]\nwall = "wall"\nalong_m = 1\ndead_kN = 1', '"beam on wall", as that of its wall'),
-        ("closed = true\n", '[[line_loads]]\nwall = "wall"\ndead_kN_m = 1', "between_m, at the height of its top"),
+        ("", '[[line_loads]]\nwall = "wall"\ndead_kN_m = 1', 'on the beam, write the name of the beam, "beam on wall", in'),
+        ("", '[[point_loads]]\nwall = "wall"\nalong_m = 1\ndead_kN = 1', '"beam on wall", in place of that of the wall.'),
+        ("closed = true\n", '[[line_loads]]\nwall = "wall"\ndead_kN_m = 1', "with between_m at the height of its top."),
         ("", '[[line_loads]]\nwall = "wall"\nheight_m = 1.0\ndead_kN_m = 1', ""),
         ("", '[[line_loads]]\nwall = "beam on wall"\ndead_kN_m = 1', ""),
     ],
