@@ -328,10 +328,10 @@ def _check_sample(case: Case, sample: SampleSettings, table: Table, overrides: S
 
 def _check_source(first: Case, case: Case, where: str) -> None:
     """Raise InputError where a variant is of another drawing, or generated where the building as it is is drawn."""
-    drawings = [item.source.path if isinstance(item.source, Drawing) else None for item in (first, case)]
-    if drawings[0] != drawings[1]:
-        found, expected = (str(drawing or "a generator") for drawing in drawings[::-1])
-        raise InputError(where, "another source than the building as it is", found=found, expected=expected)
+    expected, found = (str(one.source.path) if isinstance(one.source, Drawing) else "a generator" for one in (first, case))
+    if expected != found:
+        problem, remedy = "another source than the building as it is", "Write a case of its own for it."
+        raise InputError(where, problem, found=found, expected=expected, remedy=remedy)
 
 
 def _case(path: Path, table: dict[str, Any], swept: dict[str, Any], overrides: tuple[str, ...]) -> Case:

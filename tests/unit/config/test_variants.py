@@ -308,3 +308,15 @@ def test_an_empty_table_changes_nothing_and_is_told(tmp_path: Path, change: str)
 def test_an_empty_table_is_added_with_its_defaults(tmp_path: Path) -> None:
     text = f'{WALL}[[variants]]\nname = "curve"\n[variants.add.rigid.curve]\n'
     assert [case.rigid.curve is not None for case in read_variants(case_file(tmp_path, text))] == [False, True]
+
+
+def test_a_variant_of_another_drawing_is_a_case_of_its_own(tmp_path: Path) -> None:
+    for name in ("a.dxf", "b.dxf"):
+        (tmp_path / name).touch()
+    path = tmp_path / "drawn.toml"
+    path.write_text(
+        '[source]\ndxf = "a.dxf"\n[material.default]\nunit_weight_kN_m3 = 18\nfriction = 0.6\n[[load]]\ndirection = [1, 0, 0]\n'
+        '[[variants]]\nname = "b"\nchange = { source.dxf = "b.dxf" }\n'
+    )
+    with pytest.raises(InputError, match=r"found .*b\.dxf; expected .*a\.dxf\. Write a case of its own for it"):
+        read_variants(path)
