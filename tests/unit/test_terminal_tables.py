@@ -41,6 +41,12 @@ def test_rows_of_a_sweep_differ_on_a_narrow_terminal(width: int) -> None:
         assert record.name in first
 
 
+@pytest.mark.parametrize(("flows", "said"), [(["associative"], True), (["associative", "non-associative"], False)])
+def test_load_factors_that_are_associative_alone_are_called_upper_estimates(flows: list[str], said: bool) -> None:
+    found = replace(summary(), analyses=tuple(analysis(flow=flow) for flow in flows))
+    assert ("associative: an upper estimate where joints slide" in shown(results_table(found), 140)) == said
+
+
 def test_frictions_of_single_joints_that_are_swept_have_a_column() -> None:
     records = tuple(
         analysis(flow="associative", swept={"material.default.friction": 0.7, "joints.0.friction": mu}) for mu in (0.25, 0.35)

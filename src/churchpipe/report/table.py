@@ -186,11 +186,19 @@ def _seconds(row: Row) -> str:
     return "" if value is None else f"{value:.1f}"
 
 
+_UPPER = (
+    'associative: an upper estimate where joints slide; flow = ["associative", "non-associative"] under [rigid] adds the '
+    "value to use"
+)
+
+
 def factor_words(analyses: Sequence[Analysis], of_push: str) -> list[str]:
     """Return what the load factors of these analyses are; of_push: those of loads that push weight."""
     multiplied = dict.fromkeys(name for one in analyses for name in one.multiplies)
     words = [of_push] if any(not one.multiplies for one in analyses) else []
-    return [*words, *(f"load factor of {name}: how many times it is carried, 1 as it is given" for name in multiplied)]
+    words += [f"load factor of {name}: how many times it is carried, 1 as it is given" for name in multiplied]
+    flows = {one.flow for one in analyses}
+    return words + ([_UPPER] if "associative" in flows and "non-associative" not in flows else [])
 
 
 def interval_text(analysis: Analysis) -> str:

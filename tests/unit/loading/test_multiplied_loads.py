@@ -194,7 +194,7 @@ def test_no_earthquake_is_checked_and_the_mechanism_is_measured_along_the_load()
     shown = check_table([Row(replace(record, check=check))])
     assert shown is not None
     assert shown["refused"][0][1] == check.message
-    assert factor_words([record], OF_PUSH) == ["load factor of axle: how many times it is carried, 1 as it is given"]
+    assert factor_words([record], OF_PUSH)[0] == "load factor of axle: how many times it is carried, 1 as it is given"
 
 
 @pytest.mark.parametrize(
