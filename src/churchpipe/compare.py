@@ -29,6 +29,7 @@ from churchpipe.model.shell import ShellModel
 from churchpipe.model.swept import MESH_SIZE, of_both, setting
 from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.thrust_lines import vaulted
+from churchpipe.variant_states import weaker_variants
 from churchpipe.wording import counted
 
 
@@ -135,9 +136,8 @@ def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] |
     """Return a sentence for each question that several analyses answer: which load factor to use, and why they differ.
 
     The careful one leads, as in `careful_first`. A sweep has one sentence for all its questions, besides those of load factors
-    below zero, which are none of the building, of stones that may come out, of lower states nearly as exact, and of capacity
-    curves that start elsewhere. vaults: names of the vaults of each geometry; where there are some, a sentence before the others
-    says why the value without dilatancy counts.
+    below zero, of stones that may come out, of lower states, of variants weaker without dilatancy alone, and of curves that
+    start elsewhere. vaults: their names, of each geometry; where there are some, a sentence before the others tells of them.
     """
     asked = [[record for record in records if record.stands] for records in _asked(analyses).values()]
     # One that is below zero is told of even where it stands alone.
@@ -151,7 +151,7 @@ def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] |
     if len(sentences) > 3:
         reasons = _reasons([record for records in several for record in records])
         sentences = [f"Of the load factors for one load and one strength use the lowest. They differ because {reasons}."]
-    return first + sentences + _of_lower_states(standing, NEARLY, "states") + _of_curves(analyses)
+    return first + sentences + _of_lower_states(standing, NEARLY, "states") + weaker_variants(analyses) + _of_curves(analyses)
 
 
 def _of_vaults(asked: Sequence[Sequence[Analysis]], names: Sequence[str]) -> list[str]:

@@ -111,6 +111,27 @@ def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
     assert "planes of the paper are an outer approximation" in sentence
 
 
+@pytest.mark.parametrize(
+    ("tied", "sliding", "said"),
+    [
+        (0.2547, 0.1882, True),
+        # What weakens the building does so by the associative analysis as well.
+        (0.2000, 0.1882, False),
+        (0.2547, 0.2130, False),
+        (0.2547, 0.2200, False),
+    ],
+)
+def test_a_variant_that_is_weaker_without_dilatancy_alone_is_told_of(tied: float, sliding: float, said: bool) -> None:
+    # A drawn house of two storeys, pushed along +y, in which a tie along x bears next to nothing.
+    as_it_is = [analysed(0.2547, flow="associative"), analysed(0.2136, flow="non-associative", status="converged")]
+    with_tie = [
+        analysed(tied, flow="associative", variant="tied"),
+        analysed(sliding, flow="non-associative", status="converged", variant="tied"),
+    ]
+    start = "tied, load -y: without dilatancy 0.1882 is below the 0.2136 of the building as it is"
+    assert [text.startswith(start) for text in guidance([*as_it_is, *with_tie])] == [False, False, *([True] if said else [])]
+
+
 def test_a_capacity_curve_that_starts_lower_is_told_of() -> None:
     # A round tower with a door, pushed across: nothing else in the run says how much of its load factor is dilatancy.
     tower = [analysed(0.7416, flow="associative", contact_model=model) for model in ("corners", "torsion")]
