@@ -56,7 +56,8 @@ def _sentence(record: Movement, path: SettlementPath) -> str:
         words = (
             f"As it begins to move the support must resist with {max(least, reaction[0]):.4g} {force}, without dilatancy; other "
             f"forces may fit the same motion. The least of all equilibria is {minus(f'{least:.4g}')} {force}{pushed}, with "
-            "associative friction: the value to take where the question is how much the rest of the building then carries"
+            "associative friction: the value to take where the question is how much the rest of the building then carries. "
+            "A support that does not give way may bear many times as much"
         )
     else:
         words = (

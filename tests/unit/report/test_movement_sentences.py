@@ -61,6 +61,8 @@ def test_a_support_resists_or_is_pushed(least: float, first: float, report: str,
     (shown,) = movements_shown([(record, stones, find_contacts(stones), path)])
     assert report in shown.sentence
     assert ("is \u22122 kN, below zero" in shown.sentence) == (least < 0 < first)
+    # Only what a support bears that gives way is known, which is little beside what it bears at rest.
+    assert ("A support that does not give way may bear many times as much." in shown.sentence) == ("resist" in report)
     assert any(terminal in line for line in remarks(replace(summary(), movements=(record,))))
 
 
