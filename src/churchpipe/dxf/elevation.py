@@ -96,7 +96,7 @@ def stones_of_traces(
     numbers = {name: itertools.count(1) for name, many in of_handle.items() if many > 1}
     stones = [replace(s, name=f"{s.name}.{next(numbers[s.name])}") if s.name in numbers else s for s in stones]
     if outlines:
-        findings += _findings(outlines, plane, cut)
+        findings += _findings(outlines, plane, cut, thickness)
     return stones, left
 
 
@@ -154,14 +154,21 @@ def stood_up(points: FloatArray) -> FloatArray:
     return np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
 
 
-def _findings(outlines: list[Outline], plane: ElevationPlane, cut: bool) -> list[Finding]:
+def _findings(outlines: list[Outline], plane: ElevationPlane, cut: bool, thickness: float | None) -> list[Finding]:
     lying = sum(bool(outline.plane.axes[2][2] == 1.0) for outline in outlines)
     kind = "whole wall" if cut else "stone"
     taken = counted(len(outlines), f"outline was taken for a {kind}", f"outlines were taken for {kind}s")
     what = f"{taken}, on the layers {layers_of(outlines)}"
     if lying and plane == "xz":
         what += "; the drawing's x-y is taken for the elevation x-z"
+    # The thickness that was given, or is swept, changes nothing there.
+    own = [depth for outline in outlines if (depth := abs(outline.trace.depth)) and thickness is not None]
+    own = own if any(not np.isclose(depth, thickness or 0.0) for depth in own) else []
+    lengths = tuple(dict.fromkeys((min(own), max(own)))) if own else ()
+    if own:
+        has = counted(len(own), "of them has a DXF thickness of its own", "of them have a DXF thickness of their own")
+        what += f"; {has}, {' to '.join(['{}'] * len(lengths))}, which goes before the one given"
     unwanted = "Put outlines that are no walls on a layer that is off, or on OPENING or LINTEL." if cut else ""
     remedy = "Pass --plane xy if it is a plan." if lying and plane == "xz" else unwanted
-    out = [outlines[0].trace.place.finding("W24", what, remedy=remedy)]
+    out = [outlines[0].trace.place.finding("W24", what, lengths=lengths, remedy=remedy)]
     return out + [chords(outline.trace, outline.curve) for outline in outlines if outline.curve]

@@ -498,6 +498,16 @@ def test_what_is_missing_is_asked_for(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.parametrize(("given", "said"), [(0.12, False), (0.09, True), (None, False)])
+def test_a_thickness_that_outlines_do_not_take_is_told(given: float | None, said: bool, tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        space.add_lwpolyline(BRICK, close=True, dxfattribs={"thickness": -120.0})
+
+    path = drawn(tmp_path / "a.dxf", draw, ground=False)
+    words = "; 1 of them has a DXF thickness of its own, 0.12 m, which goes before the one given"
+    assert (words in str(read(path, thickness=given, support="base").findings)) == said
+
+
 def test_lines_beside_solids_stay_left_out(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         with space.add_mesh().edit_data() as mesh:
