@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from churchpipe.config.case import Case
+from churchpipe.config.case import Case, read_case
 from churchpipe.config.case import Drawing as DrawingSource
 from churchpipe.config.imported import MANY_STONES, imported_case, material_names
 from churchpipe.config.json_schema import FILE_NAME, write_case
@@ -51,8 +51,8 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 @dataclass(frozen=True, slots=True)
 class Imported:
     """What an import made: the case file, how many stones and their volume (m3), how many more are fixed, the findings
-    (warnings), the keys of the case that nobody gave, and what is to be said of the shell and of the joints, and asked of
-    the sizes."""
+    (warnings), the keys of the case that nobody gave, and what is to be said of the shell and of the joints, asked of
+    the sizes, and said of loads and ties that are on no wall."""
 
     case: Path
     stones: int
@@ -63,6 +63,7 @@ class Imported:
     shell: str
     joints: tuple[str, ...]
     asked: tuple[str, ...] = ()
+    misplaced: str = ""
 
 
 class UnsoundError(InputError):
@@ -186,7 +187,17 @@ def import_drawing(
     count = drawing.stones.count - fixed
     volume, said = free_volume(drawing.stones), joint_words(drawing.stones, contacts)
     asked = tuple(size_questions(drawing.stones))
-    return Imported(case, count, volume, fixed, drawing.findings, tuple(missing), note, said, asked)
+    misplaced = "" if missing else _misplaced(case, drawing, contacts)
+    return Imported(case, count, volume, fixed, drawing.findings, tuple(missing), note, said, asked, misplaced)
+
+
+def _misplaced(case: Path, drawing: Drawing, contacts: Contacts) -> str:
+    """Return why loads and ties that were drawn are on no wall, so that no run would begin, "" where they are."""
+    try:
+        check_carried(read_case(case), drawing.stones, contacts)
+    except InputError as error:
+        return str(error)
+    return ""
 
 
 def free_volume(stones: Assemblage) -> float:

@@ -63,6 +63,8 @@ def import_file(
     for key in done.missing:
         out.print(f"Still to be filled in: {key}", markup=False, soft_wrap=True)
     ask(() if done.missing else questions(read_variants(done.case)))
+    if done.misplaced:
+        err.print(f"To be corrected first: {done.misplaced}", markup=False, soft_wrap=True)
     out.print(f"Next: churchpipe run {shlex.quote(str(done.case))}", markup=False, soft_wrap=True)
 
 

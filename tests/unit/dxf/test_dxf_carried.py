@@ -16,6 +16,7 @@ from churchpipe.dxf.carried import words
 from churchpipe.dxf.reader import read_drawing
 from churchpipe.dxf.reading import AS_DRAWN
 from churchpipe.findings import FindingsError
+from command_line import call
 from solids import box
 
 WALLS = {"west": box((0, 0.5), (0, 4), (0, 3)), "east": box((4, 4.5), (0, 4), (0, 3))}
@@ -124,3 +125,17 @@ def test_an_imported_case_has_the_ties_and_loads_of_its_drawing(tmp_path: Path) 
     carries = read_case(tmp_path / "case.toml").carries
     assert [words(bar) for bar in carries.ties] == [words(bar) for bar in BARS]
     assert [words(load) for load in carries.line_loads] == [words(load) for load in LOADS]
+
+
+@pytest.mark.parametrize(("wall", "stands"), [("west", True), ("nave", False)])
+def test_an_import_tells_of_a_drawn_load_on_a_wall_that_is_not_there(
+    wall: str, stands: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    document = ezdxf.readfile(drawn(tmp_path))
+    inserts: Any = document.modelspace().query("INSERT[layer=='CP-LOADS']")
+    next(one for one in inserts if one.get_attrib_text("NAME") == "roof").get_attrib("WALL").dxf.text = wall
+    document.saveas(tmp_path / "other.dxf")
+    options = ["--unit-weight-kN-m3", "20", "--friction", "0.6", "--load=+y"]
+    code, _, told = call(capsys, "import", tmp_path / "other.dxf", "-o", tmp_path / "made", *options)
+    assert code == 0
+    assert ("To be corrected first: " in told and "no such wall; found nave; expected east, west" in told) != stands
