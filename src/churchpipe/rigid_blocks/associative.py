@@ -41,18 +41,18 @@ def dead_load_analysis(balance: Equilibrium, strength: Strength, solve: Solve) -
 class _ShareOfLoad:
     """The largest share tau <= 1 of a load that contacts and ties carry. It is always feasible, so no result depends on a ray."""
 
-    def __init__(self, balance: Equilibrium, strength: Strength, load: FloatArray) -> None:
+    def __init__(self, balance: Equilibrium, strength: Strength, load: FloatArray, weight: FloatArray | None = None) -> None:
         # What joints bear before they crush stays as it is.
         stones = np.arange(len(load)) < balance.rows
         self._alone = replace(balance, dead=np.where(stones, 0.0, balance.dead), live=np.where(stones, load, 0.0))
-        self._strength = strength
+        self._strength, self._weight = strength, weight
         self.program = replace(associative_program(self._alone, strength), cap=1.0)
 
     def standing(self, answer: ConeSolution) -> Standing:
         """Say "stable" when the forces prove that all is carried, "unstable" when the multipliers, a mechanism, deny it."""
         if not _may_prove(answer):
             return "failed"
-        certificate = certify(self._alone, self._strength, answer.x, answer.tau, answer.y)
+        certificate = certify(self._alone, self._strength, answer.x, answer.tau, answer.y, self._weight)
         if answer.tau > 1 - _CARRIED and certificate.balanced:
             return "stable"
         # Where stones overlap, the whole weight might press: a stone that weighs next to nothing falls so fast that its speed
@@ -93,7 +93,8 @@ def wedge(balance: Equilibrium, strength: Strength, solve: Solve) -> ConeSolutio
     endless = replace(strength, cohesion=np.zeros_like(strength.cohesion), bound=np.where(strength.bounded, 0.0, np.inf))
     if strength.bounded.all():
         return None
-    share = _ShareOfLoad(replace(balance, dead=np.zeros_like(balance.dead)), endless, balance.live)
+    # Of stones that the load does not reach, rounding would be all of the load.
+    share = _ShareOfLoad(replace(balance, dead=np.zeros_like(balance.dead)), endless, balance.live, balance.dead)
     answer = solve(share.program, proves=lambda answer: share.standing(answer) != "failed")
     return replace(answer, x=answer.x / answer.tau) if share.standing(answer) == "stable" else None
 

@@ -86,8 +86,12 @@ class Certificate:
 UNPROVED = Certificate(*[np.nan] * 6)
 
 
-def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float, y: FloatArray) -> Certificate:
+def certify(
+    balance: Equilibrium, strength: Strength, x: FloatArray, tau: float, y: FloatArray, weight: FloatArray | None = None
+) -> Certificate:
     """Return the certificate of forces x (nc, 3), load factor tau and velocities y (6 nf,), all in scaled units.
+
+    weight (rows,): what a stone's residual is measured by beside its loads of this balance, if that leaves its weight out.
 
     lower (static): tau of forces in equilibrium, once brought into their cones. upper (kinematic): see `kinematic_bound`.
 
@@ -102,15 +106,15 @@ def certify(balance: Equilibrium, strength: Strength, x: FloatArray, tau: float,
         upper_bound=upper_bound,
         equilibrium_residual=float(np.abs(residual).max()),
         cone_violation=cone_violation(x, strength),
-        stone_residual=_stone_residual(balance, residual, inside),
+        stone_residual=_stone_residual(balance, residual, inside, balance.dead if weight is None else weight),
         flow_violation=flow_violation,
     )
 
 
-def _stone_residual(balance: Equilibrium, residual: FloatArray, x: FloatArray) -> float:
+def _stone_residual(balance: Equilibrium, residual: FloatArray, x: FloatArray, weight: FloatArray) -> float:
     """Return the largest residual (rows,) over the load of its stone and the lever of its row, or a share of the forces there."""
     lever, passing = balance.wrenches.sizes(x[: balance.points])
-    load = np.maximum(np.abs(balance.dead), np.abs(balance.live))[: balance.rows].reshape(-1, 6).max(axis=1)
+    load = np.maximum(np.abs(weight), np.abs(balance.live))[: balance.rows].reshape(-1, 6).max(axis=1)
     unit = np.maximum(np.repeat(load, 6) * lever, _PASSING * passing)
     return float((np.abs(residual[: balance.rows]) / np.maximum(unit, 1e-300)).max())
 

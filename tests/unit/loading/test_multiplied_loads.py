@@ -143,6 +143,16 @@ def test_an_axle_on_an_arch_against_lines_of_thrust(x: float, z: float, stone: i
     assert 1e3 * state.load_factor == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.parametrize("along", [0.3, 1.4, 2.2])
+def test_a_load_that_a_wall_carries_however_large_is_unbounded(along: float) -> None:
+    # It presses on its own stones alone: most of the others feel nothing of it.
+    stones, beam = cp.derive_blocks(WALL), cp.PointLoad("wall", along, dead=1e3, name="beam")
+    load = loaded(cp.LoadCase(multiplies=["beam"]), stones, [beam])
+    state = cp.limit_analysis(stones, cp.find_contacts(stones), load, 0.6)
+    assert (state.status, state.load_factor) == ("unbounded", np.inf)
+    assert "wedged" in state.message
+
+
 def test_what_is_multiplied_is_not_there_otherwise_and_the_rest_stays() -> None:
     roof = cp.PointLoad(at=(0.8, 0.5, 1.5), dead=7e3, name="roof")
     placed = place_loads(CORBEL, [roof, AXLE])
