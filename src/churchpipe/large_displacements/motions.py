@@ -4,12 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from churchpipe.geometry.clusters import components
 from churchpipe.large_displacements.falling import stones_ahead
 from churchpipe.large_displacements.moving_model import MovingModel
 from churchpipe.large_displacements.path_state import PathState
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.state_program import velocities_of
 from churchpipe.large_displacements.step import StepAnswer
+from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
@@ -56,8 +58,28 @@ class Motions:
         if answer.outcome == "infeasible":
             speed = stone_speed(self.stones, self.velocities(answer.y))
             # A support that moves goes with what falls in such a motion, but it is driven and cannot be lost.
-            return (speed > PATH.falling * float(speed.max(initial=0.0))) & ~self.model.stones.fixed
+            return self._brought_down(answer.y, (speed > PATH.falling * float(speed.max(initial=0.0))) & ~self.model.stones.fixed)
         return self._ahead(answer.y, rests) if answer.outcome == "solved" else np.zeros(self.stones.count, dtype=bool)
+
+    def _brought_down(self, y: FloatArray, moving: BoolArray) -> BoolArray:
+        """Return which stones (nb,) of a fall their loads bring down.
+
+        Stones that touch none of the others may take part in the motion that a solver finds, lifted from where they stand:
+        without them it is a fall as well. The load factor is the last one known.
+        """
+        model, rotation = self.model, self.state.poses.rotation
+        load = model.dead.rows(rotation, self.free, model.force, model.length)
+        links = self.state.joints.pair
+        if isinstance(model.driven, TravellingLoads):
+            load = load + self.state.load_factor * model.driven.rows(rotation, self.free, model.force, model.length)
+            pulls = np.stack([model.ties.stone[:-1], model.ties.stone[1:]], axis=1)
+            links = np.concatenate([links, pulls[np.diff(model.ties.owner) == 0]])
+        part = components(self.stones.count, links[moving[links].all(axis=1)])
+        power = np.bincount(
+            part[self.free], (load * y[: len(load)]).reshape(-1, 6).sum(axis=1) * moving[self.free], part.max() + 1
+        )
+        down = moving & (power > PATH.nothing * float(np.maximum(power, 0.0).sum()))[part]
+        return down if down.any() else moving
 
     def _ahead(self, y: FloatArray, rests: bool) -> BoolArray:
         """Return the few light stones (nb,) that leave all others behind; by less very few, in a motion that does not fit.
