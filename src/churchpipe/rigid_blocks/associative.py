@@ -103,7 +103,7 @@ def unbounded_state(balance: Equilibrium, ray: ConeSolution, seconds: float, flo
     """Return the state of a structure that no lateral load of this kind brings down, with the forces that balance it."""
     residual = float(np.abs(apply(balance.balance, ray.x) + balance.live).max())
     message = (
-        f"the stones are wedged: forces within friction balance the lateral load alone, residual {residual:.1e} of the weight"
+        f"the stones are wedged: forces within friction balance the load that grows alone, residual {residual:.1e} of the weight"
     )
     if flow == "non-associative":
         message += "; they need no friction"
