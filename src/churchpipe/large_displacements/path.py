@@ -1,6 +1,7 @@
 """The motion of an assemblage step by step: programs in the displaced geometry, and where each takes the stones."""
 
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from churchpipe.large_displacements.search import Attempt, StepSearch
 from churchpipe.large_displacements.seeking import sought
 from churchpipe.large_displacements.settings import PATH
 from churchpipe.large_displacements.state_program import pressure_levers, state_program
-from churchpipe.large_displacements.step import StepAnswer, StepProgram, solve_step
+from churchpipe.large_displacements.step import StepAnswer, StepProgram, fitting_forces, solve_step, step_answer
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
@@ -99,7 +100,7 @@ def _solved(model: MovingModel, state: PathState, programs: int, pairs: int) -> 
         way, length = search.way(attempt), search.next_length(attempt)
         across = search.across(attempt)
         joints = replace(_pressed(model, state, attempt), sliding=sliding[: len(joints.sliding)])
-        answer = _with_present_tensions(model, state, at, answer, sliding, solve)
+        answer = _with_present_tensions(model, state, attempt, at, sliding, solve)
         state = replace(state, load_factor=answer.load_factor)
     velocity, rate = motions.velocities(answer.y), program.motion(answer.y)
     # Where the load does hardly any work, as in a fall, rates are measured by the mean speed of the weight.
@@ -131,15 +132,15 @@ def _pressed(model: MovingModel, state: PathState, attempt: Attempt) -> Joints:
 
 
 def _with_present_tensions(
-    model: MovingModel, state: PathState, program: StepProgram, answer: StepAnswer, sliding: FloatArray, solve: Solve
+    model: MovingModel, state: PathState, attempt: Attempt, program: StepProgram, sliding: FloatArray, solve: Solve
 ) -> StepAnswer:
-    """Return the answer with load factor and forces under the tensions that elastic ties have at this state.
+    """Return the answer of an attempt with load factor and forces under the tensions that elastic ties have at this state.
 
-    Its motion is that under the tensions which they reach within the step, or stones that a stiff tie holds would run away. Where
-    it does not fit the forces under present tensions, as where a stone slides towards the tie that pulls it, the answer stays as
-    it is.
+    Its motion is that under the tensions which they reach within the step, or stones that a stiff tie holds would run away. Of
+    the forces that fit it, among them those near its own where these were sought in pairs of programs, those with the least load
+    factor are taken. Where none fit, as where a stone slides towards the tie that pulls it, the answer stays as it is.
     """
-    count = len(model.ties.name)
+    answer, count = attempt.answer, len(model.ties.name)
     tension = model.ties.tension(state.rest, state.poses, model.ties.broken(state.rest, state.fallen)) / model.force
     known = np.zeros(len(sliding), dtype=bool)
     known[program.points - count : program.points] = np.isfinite(tension)
@@ -150,13 +151,23 @@ def _with_present_tensions(
     strength = replace(program.strength, bound=np.where(known, 0.0, program.strength.bound))
     dead = program.dead + apply(program.balance, pull)
     held = replace(program, dead=dead, strength=strength, softness=np.zeros_like(program.softness))
-    found = solve_step(held, sliding, solve, model.demands.duality_gap)
-    if found.outcome != "solved":
-        return answer
-    gap, forces = bipotential_gap(held, strength, found.forces, answer.y), found.forces + pull
-    now = replace(answer, forces=forces, load_factor=found.load_factor, residual=found.residual, violation=found.violation)
-    now = replace(now, gap=max(gap, answer.gap))
-    return now if now.misfit <= max(answer.misfit, PATH.fits) else answer
+    found = [solve_step(held, sliding, solve, model.demands.duality_gap)]
+    if attempt.paired:
+        own = replace(answer, forces=np.where(known[:, None], 0.0, answer.forces))
+        found += [
+            step_answer(held, sliding, each.forces, each.load_factor, answer.y)
+            for each in (own, fitting_forces(held, own, solve))
+        ]
+    fitting: list[StepAnswer] = []
+    for each in found:
+        if each.outcome != "solved" or each.residual > PATH.balance:
+            continue
+        gap, forces = bipotential_gap(held, strength, each.forces, answer.y), each.forces + pull
+        now = replace(answer, forces=forces, load_factor=each.load_factor, residual=each.residual, violation=each.violation)
+        now = replace(now, gap=max(gap, answer.gap))
+        if now.misfit <= max(answer.misfit, PATH.fits):
+            fitting.append(now)
+    return min(fitting, key=attrgetter("load_factor"), default=answer)
 
 
 def _work(model: MovingModel, answer: StepAnswer, rate: FloatArray) -> float:

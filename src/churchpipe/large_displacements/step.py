@@ -135,7 +135,7 @@ def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve, duality_
     if answer.outcome != "solved":
         outcome = "infeasible" if answer.outcome == "failed" and falls(program, answer.y) else answer.outcome
         return StepAnswer(outcome, answer.x, np.nan, answer.y, message=answer.message)
-    return _answer(
+    return step_answer(
         program.stretched(answer.x), sliding, answer.x, answer.tau, answer.y / float(program.live @ answer.y), answer.message
     )
 
@@ -213,7 +213,7 @@ def without_dilatancy(
         return answer
     best = run if fallen else min(seen, key=itemgetter(0))[1]
     y = best.y / float(program.live @ best.y)
-    found = _answer(program, program.slip(y), best.x, best.load_factor, y, answer.message)
+    found = step_answer(program, program.slip(y), best.x, best.load_factor, y, answer.message)
     if first:
         return found
     given = bipotential_gap(program, program.strength, answer.forces, answer.y)
@@ -240,9 +240,10 @@ def fitting_forces(program: StepProgram, answer: StepAnswer, solve: Solve) -> St
     return answer if found is None else replace(answer, forces=found.x, load_factor=found.tau)
 
 
-def _answer(
-    program: StepProgram, sliding: FloatArray, x: FloatArray, load_factor: float, y: FloatArray, message: str
+def step_answer(
+    program: StepProgram, sliding: FloatArray, x: FloatArray, load_factor: float, y: FloatArray, message: str = ""
 ) -> StepAnswer:
+    """Return the answer of forces x (nc, 3) and a motion y (m,) whose sliding (nc,) the program charges, with what they lack."""
     strength, rate = program.strength, program.rates(y)
     n = np.maximum(x[:, 0], 0.0)
     excess = np.maximum(0.0, strength.friction * np.hypot(rate[:, 1], rate[:, 2]) - rate[:, 0] - sliding)
