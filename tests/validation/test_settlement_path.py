@@ -232,3 +232,14 @@ def test_a_heavy_neighbour_that_stays_spares_no_stone_that_falls(halo: int) -> N
         assert not path.fallen
     assert ends[0][0] == "collapsed"
     assert ends[1] == pytest.approx(ends[0])
+
+
+def test_a_neighbour_holds_a_slender_block_by_a_squeeze_that_nothing_makes() -> None:
+    """Our own figures of docs/limits.md: alone the block falls where its middle stands over its edge, at atan .3."""
+    blocks = [box((-2, 3), (-1, 1), (-0.3, 0)), box((0, 0.3), (-0.2, 0.2), (0, 1)), box((0.3, 1.5), (-0.8, 0.8), (0, 2))]
+    ends: list[float] = []
+    for count in (2, 3):
+        stones = cp.Assemblage.from_polyhedra(blocks[:count], 2e4, fixed=[0])
+        path = cp.settlement_path(stones, cp.find_contacts(stones), [0], (0, -1, 0), 0.7, about=(0, 0, 0), steps=60)
+        ends += [part.displacement for part in path.fallen] or [path.ultimate]
+    assert ends == pytest.approx([np.arctan(0.3), 0.44], abs=0.005)

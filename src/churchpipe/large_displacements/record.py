@@ -20,6 +20,9 @@ from churchpipe.mechanism import stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.stone_path import FallenStones, LastStep, StepArrays, StonePath
 
+# So many places where a structure jumps are told each for itself.
+_FEW_JUMPS = 3
+
 
 class Record(ABC):
     """The steps of a path as they are taken; where: the analysis, for what is said of it."""
@@ -83,6 +86,10 @@ class Record(ABC):
             steps = f"step {first + 1} is no equilibrium" if end == first + 1 else f"steps {first + 1} to {end} are no equilibria"
             place = f"{1e3 * self.displacement[first]:.3g} mm"
             said.append(f"{steps}: from {place} on the structure jumps, or stones of it hang, with forces across open gaps")
+        others = edges.reshape(-1, 2)[_FEW_JUMPS:]
+        if len(others) > 1:
+            count, place = int(np.diff(others).sum()), f"{1e3 * self.displacement[others[0, 0]]:.3g} mm"
+            return [*said[:_FEW_JUMPS], f"from {place} on {count} more steps, in {len(others)} places, are no equilibria, either"]
         return said
 
     def _steady(self, velocity: FloatArray) -> bool:
