@@ -73,7 +73,8 @@ def with_ring_beams(
     width
         Of the beams, m; None: the thickness of each wall.
     begin, end
-        m along each wall, as in `LineLoad`, where a beam stops short of what stands higher; None: the wall's own ends.
+        m along each wall, as in `LineLoad`, where a beam stops short of what stands higher; None: the ends of the wall's top
+        course, which may end at a wall across it.
     closed
         One rigid beam along all the walls, which have to meet, at one level.
     slab
