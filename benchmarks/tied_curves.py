@@ -3,31 +3,15 @@
     PYTHONPATH=tests python benchmarks/tied_curves.py $(seq -f "corner-%g" 1 12)
     PYTHONPATH=tests python benchmarks/tied_curves.py building-3 building-7 building-16 building-25 building-34 building-43
 
-Names: `random_corner` and `random_building` of `tests/models.py` with their seeds. The bar joins the two of the uppermost stones
-that are farthest apart across the push. Its strength is the weight of the stones, its stiffness twenty times that over their
-height.
+Names: `random_corner` and `random_building` of `tests/models.py` with their seeds; the bar is its `bar_across`.
 """
 
 import argparse
 
-import numpy as np
-
 import churchpipe as cp
-from churchpipe.model.assemblage import Assemblage
-from churchpipe.model.loads import LoadCase
-from models import random_building, random_corner
+from models import bar_across, random_building, random_corner
 
 DRAWN = {"corner": random_corner, "building": random_building}
-
-
-def bar_across(stones: Assemblage, load: LoadCase) -> cp.Tie:
-    """Return the tie."""
-    top = np.flatnonzero(~stones.fixed & (stones.centroid[:, 2] > stones.centroid[:, 2].max() - 1e-6))
-    along = stones.centroid[top] @ np.array([-load.direction[1], load.direction[0], 0.0])
-    first, second = int(top[along.argmin()]), int(top[along.argmax()])
-    weight, height = float(stones.weight.sum()), float(np.ptp(stones.points[:, 2]))
-    at = stones.centroid[first], stones.centroid[second]
-    return cp.Tie("bar", at[0], at[1], (first, second), strength=weight, stiffness=20 * weight / height)
 
 
 def row(name: str) -> str:

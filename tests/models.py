@@ -11,6 +11,7 @@ from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.model.ties import Tie
 from churchpipe.stones.blocks import derive_blocks
 from churchpipe.stones.contacts import find_contacts
 from solids import box, on_ground
@@ -245,3 +246,16 @@ def random_building(seed: int) -> tuple[Assemblage, Contacts, float, LoadCase]:
         shape = wall(**size, openings=[{**window, "lintel_bearing": course}])
     stones = derive_blocks(shape)
     return stones, find_contacts(stones), friction, LoadCase(direction)
+
+
+def bar_across(stones: Assemblage, load: LoadCase) -> Tie:
+    """An elastic tie between the two of the uppermost stones that are farthest apart across a push.
+
+    Its strength is the weight of the stones, its stiffness twenty times that over their height.
+    """
+    top = np.flatnonzero(~stones.fixed & (stones.centroid[:, 2] > stones.centroid[:, 2].max() - 1e-6))
+    along = stones.centroid[top] @ np.array([-load.direction[1], load.direction[0], 0.0])
+    first, second = int(top[along.argmin()]), int(top[along.argmax()])
+    weight, height = float(stones.weight.sum()), float(np.ptp(stones.points[:, 2]))
+    ends = stones.centroid[first], stones.centroid[second]
+    return Tie("bar", *ends, (first, second), strength=weight, stiffness=20 * weight / height)

@@ -161,18 +161,8 @@ class PathSettings:
     nothing: float = 1e-7
 
     def __post_init__(self) -> None:
-        no_shares = (
-            "jump",
-            "stalled",
-            "lengths",
-            "first_programs",
-            "programs",
-            "pairs",
-            "rounds",
-            "whole_way",
-            "large",
-            "strongest",
-        )
+        counts = ("stalled", "lengths", "first_programs", "programs", "pairs", "rounds", "whole_way", "large")
+        no_shares = (*counts, "jump", "strongest")
         factors = ("right", "faster", "deeper", "further")
         shares = [item.name for item in fields(self) if item.name not in (*no_shares, *factors)]
         check_constants(self, below_one=shares, above_one=factors)
