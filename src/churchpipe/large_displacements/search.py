@@ -155,7 +155,7 @@ class StepSearch:
         best: Attempt | None = None
         for left in reversed(range(PATH.lengths)):
             settled = self._settled(self._demands.further * attempt.length if left and not self._of_any_length else np.inf)
-            program = self.within(attempt.length).stretched(attempt.answer.forces)
+            program = self.within(attempt.length)
             answer = without_dilatancy(program, attempt.answer, solve or self._solve, demands, pairs, settled)
             attempt = attempt._replace(answer=answer, paired=True)
             attempt = attempt._replace(falls=self._falls(answer, rests=not attempt.fits(demands.enough)))
@@ -173,7 +173,7 @@ class StepSearch:
 
     def fitted(self, last: Attempt, pairs: int, solve: Solve | None) -> Attempt:
         """Return an attempt sought in pairs of programs from forces that fit the last motion; solve: as in `by_pairs`."""
-        begun = fitting_forces(self.within(last.length).stretched(last.answer.forces), last.answer, solve or self._solve)
+        begun = fitting_forces(self.within(last.length), last.answer, solve or self._solve)
         if not np.isfinite(begun.load_factor):
             return last
         return self.by_pairs(last._replace(answer=begun), pairs, solve, self._demands.astray)

@@ -16,9 +16,6 @@ from churchpipe.large_displacements.unsupported import unsupported
 from churchpipe.mechanism import stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
 
-# So often pairs of programs are begun with what elastic ties lengthen by.
-_TIED = 2
-
 
 def sought(motions: Motions, search: StepSearch, program: StepProgram, gap: FloatArray, programs: int, pairs: int) -> Attempt:
     """Return the best attempt at a step: from the forces of the last one, or from what its joints slid by.
@@ -33,8 +30,6 @@ def sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Floa
     if not (pairs and forces.any()):
         return search.by_programs(sliding, programs, pairs)
     begun = StepAnswer("failed", forces, np.nan, last_velocities(model, state, motions.free, program), least=program.least)
-    if program.softness.any():
-        return _under_ties(motions, search, program, begun, pairs) or search.by_programs(sliding, programs, pairs)
     last = Attempt(begun, state.length)
     attempt = _of_large(motions, search, program, last, gap, sliding, pairs) if model.large else search.by_pairs(last, pairs)
     # From other forces a large model finds the same motion, with the same misfit.
@@ -48,30 +43,6 @@ def sought(motions: Motions, search: StepSearch, program: StepProgram, gap: Floa
             if (fall := unsupported_fall(motions, program, gap, wide, share)) is not None:
                 return Attempt(fall, last.length)
     return _better(attempt, search.by_programs(sliding, programs, pairs))
-
-
-def _under_ties(motions: Motions, search: StepSearch, program: StepProgram, begun: StepAnswer, pairs: int) -> Attempt | None:
-    """Return an attempt from the last forces in which elastic ties pull as they lengthen, None where none is found.
-
-    Pairs of programs take what ties lengthen by from the forces that they begin with. A mechanism that hardly stretches them
-    is found so; programs from nothing may pass it by for one that they hold back, with a much higher load factor.
-    """
-    attempt, elastic = Attempt(begun, motions.state.length), np.flatnonzero(program.softness > 0)
-    for _ in range(_TIED):
-        attempt = search.by_pairs(attempt, pairs)
-        answer = attempt.answer
-        if answer.outcome != "solved":
-            return None
-        at = search.within(attempt.length)
-        tension, softness = np.maximum(answer.forces[elastic, 0], 0.0), at.softness[elastic]
-        pull = np.maximum(-at.rates(answer.y)[elastic, 0], 0.0) / softness
-        work = float(softness * np.abs(tension - pull) @ np.maximum(tension, pull))
-        if work / max(abs(answer.load_factor), program.least) + answer.misfit <= motions.model.demands.enough:
-            return attempt
-        forces = answer.forces.copy()
-        forces[elastic, 0] = 0.5 * (tension + pull)
-        attempt = attempt._replace(answer=replace(begun, forces=forces))
-    return None
 
 
 def _of_large(

@@ -13,7 +13,7 @@ from churchpipe.conic.wrenches import Balance, apply, transpose
 from churchpipe.large_displacements.settings import PATH, THRIFTY, Demands
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength, cone_violation
-from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap, nearest_forces
+from churchpipe.rigid_blocks.coulomb import CoulombState, Near, bipotential_gap, elastic_pull, nearest_forces
 from churchpipe.rigid_blocks.iterations import closed_gap
 from churchpipe.rigid_blocks.settings import SchemeSettings
 
@@ -59,10 +59,6 @@ class StepProgram:
         """Return the program of a step of this length, m per unit of work; gap (nc,) m, softness (nc,) m per unit of force."""
         closing = np.where(softness > 0, gap, np.maximum(gap, 0.0)) / length
         return replace(self, closing=closing, softness=softness / length)
-
-    def stretched(self, x: FloatArray) -> "StepProgram":
-        """Return the program in which elastic ties have lengthened as under forces x (nc, 3), and lengthen no further."""
-        return replace(self, closing=self.closing + self.softness * x[:, 0], softness=np.zeros_like(self.softness))
 
     def motion(self, y: FloatArray) -> FloatArray:
         """Return the rates w and v (points, 3) at which stones open and slide."""
@@ -135,9 +131,8 @@ def solve_step(program: StepProgram, sliding: FloatArray, solve: Solve, duality_
     if answer.outcome != "solved":
         outcome = "infeasible" if answer.outcome == "failed" and falls(program, answer.y) else answer.outcome
         return StepAnswer(outcome, answer.x, np.nan, answer.y, message=answer.message)
-    return step_answer(
-        program.stretched(answer.x), sliding, answer.x, answer.tau, answer.y / float(program.live @ answer.y), answer.message
-    )
+    y = answer.y / float(program.live @ answer.y)
+    return step_answer(program, sliding, answer.x, answer.tau, y, answer.message)
 
 
 def falls(program: StepProgram, y: FloatArray) -> bool:
@@ -247,8 +242,10 @@ def step_answer(
     strength, rate = program.strength, program.rates(y)
     n = np.maximum(x[:, 0], 0.0)
     excess = np.maximum(0.0, strength.friction * np.hypot(rate[:, 1], rate[:, 2]) - rate[:, 0] - sliding)
-    upper = float(-program.dead @ y + n @ excess)
-    lower = load_factor - float(n @ (program.closing + sliding))
+    # An elastic tie adds to the upper bound what it pulls with where it lengthens so, less the energy that it stores.
+    elastic, pull = program.softness > 0, elastic_pull(program, strength, rate)
+    upper = float(-program.dead @ y + np.where(elastic, pull, n) @ excess - 0.5 * program.softness @ pull**2)
+    lower = load_factor - float(n @ (program.closing + sliding) + 0.5 * program.softness @ n**2)
     return StepAnswer(
         "solved",
         x,

@@ -14,7 +14,9 @@ and g = 0 exactly when forces and velocities are a collapse state. Of given norm
 velocities with the smallest g: its shear is limited by mu n, whatever the normal forces of its own solution.
 
 Where the normal force has a limit b (a joint that crushes, a tie that yields), a point may also close, w < 0, and
-dissipates b |w| then: g gains sum b max(0, -w), and its share (b - n) |w| there is as nonnegative as n w.
+dissipates b |w| then: g gains sum b max(0, -w), and its share (b - n) |w| there is as nonnegative as n w. An elastic tie of
+softness s, which lengthens at the rate -w, pulls by p = -w / s, at least 0 and at most b. Its share
+s (n - p)^2 / 2 + (p - n) (-w - s p) is zero exactly where n = p (Fenchel's inequality for its energy s n^2 / 2).
 """
 
 from dataclasses import dataclass, replace
@@ -126,8 +128,9 @@ def bipotential_gap(balance: Balanced, strength: Strength, x: FloatArray, y: Flo
 def gap_shares(balance: Balanced, strength: Strength, x: FloatArray, y: FloatArray) -> FloatArray:
     """Return what each point adds to the gap (nc,): n |w|, or (b - n) |w| where it may close, and (mu n + c) |v| + t . v.
 
-    Each term is nonnegative by itself, so that nothing cancels. Where stones must not overlap, an overlap counts as much as an
-    opening. The further points of joints that crush have the flow of their cones, and add n w + t . v.
+    An elastic tie adds what its tension misses of that by which it lengthens, see above. Each term is nonnegative by itself, so
+    that nothing cancels. Where stones must not overlap, an overlap counts as much as an opening. The further points of joints
+    that crush have the flow of their cones, and add n w + t . v.
     """
     rate = balance.rates(y / (balance.live @ y))
     slip = np.hypot(rate[:, 1], rate[:, 2])
@@ -137,7 +140,17 @@ def gap_shares(balance: Balanced, strength: Strength, x: FloatArray, y: FloatArr
     lever[closing] = np.maximum(strength.bound[closing] - lever[closing], 0.0)
     shares = lever * np.abs(rate[:, 0]) + np.maximum(sliding, 0.0)
     shares[balance.points :] = np.maximum((x * rate)[balance.points :].sum(axis=1), 0.0)
+    elastic = np.flatnonzero(balance.softness)
+    n, stretch, softness = x[elastic, 0], -rate[elastic, 0], balance.softness[elastic]
+    pull = elastic_pull(balance, strength, rate)[elastic]
+    shares[elastic] = 0.5 * softness * (n - pull) ** 2 + np.maximum((pull - n) * (stretch - softness * pull), 0.0)
     return shares
+
+
+def elastic_pull(balance: Balanced, strength: Strength, rate: FloatArray) -> FloatArray:
+    """Return the tensions (nc,) of elastic ties that lengthen as by rates (nc, 3), zero at all other points."""
+    stretch, elastic = -rate[:, 0], balance.softness > 0
+    return np.clip(np.divide(stretch, balance.softness, out=np.zeros_like(stretch), where=elastic), 0.0, strength.bound)
 
 
 def gap_coefficients(balance: Balanced, strength: Strength, y: FloatArray) -> tuple[FloatArray, float]:

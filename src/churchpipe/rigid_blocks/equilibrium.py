@@ -38,6 +38,11 @@ class Balanced(Protocol):
         """Number of contact points and ties."""
         ...
 
+    @property
+    def softness(self) -> FloatArray:
+        """The rate (nc,) at which an elastic tie lengthens under a unit of tension, zero at all other points."""
+        ...
+
     def residual(self, x: FloatArray, load_factor: float) -> FloatArray:
         """Return what is left of the balance of forces x (nc, 3)."""
         ...
@@ -90,6 +95,11 @@ class Equilibrium:
     def points(self) -> int:
         """Number of contact points and ties."""
         return len(self.wrenches.frame)
+
+    @property
+    def softness(self) -> FloatArray:
+        """Zeros (nc + nt + further,): ties of a limit analysis are rigid until they yield."""
+        return np.zeros(self.balance.shape[1] // 3)
 
     @property
     def rows(self) -> int:

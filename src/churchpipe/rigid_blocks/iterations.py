@@ -229,7 +229,7 @@ def closed_gap(
         stuck = plain and (worse or slow)
         if stuck:
             shares = gap_shares(balance, strength, base.x, base.y)
-            most = shares > settings.stuck * shares.sum()
+            most = (shares > settings.stuck * shares.sum()) & (balance.softness == 0)
             excess[most] = np.minimum(settings.stuck_weight * (1.0 + excess[most]), _MOST_STRESS) - 1.0
         if reached > left:
             momentum *= 0.5
