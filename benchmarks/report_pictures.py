@@ -64,7 +64,9 @@ def drawing_photographed(drawing: str, picture: Path) -> None:
 def new_sheet(scale: float = 1) -> Iterator[Page]:
     """Yield an empty page of a browser; scale: pixels of a picture for one of the page."""
     with sync_playwright() as play:
-        program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))))
+        program = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+        if program is None:
+            sys.exit("pictures of a report: no browser found, expected chromium or google-chrome; sudo apt-get install chromium")
         browser = play.chromium.launch(executable_path=program, args=["--no-sandbox", "--enable-unsafe-swiftshader"])
         yield browser.new_page(viewport=WINDOW, device_scale_factor=scale)
         browser.close()

@@ -45,7 +45,8 @@ def joint(axes: Axes) -> None:
             stone(axes, [front[3], front[2], tuple(front[2] + slant), tuple(front[3] + slant)])
     points = np.array([(0.0, 0.6), (2.0, 0.6), (2.45, 0.85), (0.45, 0.85)])
     axes.plot(*points.T, "o", color="0.2", ms=4)
-    arrow(axes, (2.0, 0.6), (0.0, -0.55), FORCE, "$n_k$")
+    arrow(axes, (2.0, 0.6), (0.0, -0.5), FORCE)
+    axes.text(1.94, 0.3, "$n_k$", color=FORCE, ha="right", va="center")
     arrow(axes, (2.0, 0.6), (0.55, -0.15), FORCE, "$t_k$")
     arrow(axes, (0.0, 0.6), (0.0, -0.3), FORCE)
     arrow(axes, (0.0, 0.6), (-0.3, 0.05), FORCE)
@@ -63,13 +64,16 @@ def cone(axes: Axes) -> None:
     arrow(axes, (float(force[0]), float(force[1])), (-FRICTION * size, size), MOTION)
     axes.text(0.8, 1.1, "associative", color=MOTION, ha="right")
     arrow(axes, (float(force[0]), float(force[1])), (0.0, 0.62), "0.2", "without\ndilatancy")
-    axes.text(1.35, 0.55, r"$|t| = \mu n$", rotation=0, ha="left", fontsize=9)
+    axes.text(1.64, 0.98, r"$|t| = \mu n$", ha="left", va="center", fontsize=9)
     axes.axhline(0, color="0.6", lw=0.6)
-    axes.text(1.65, -0.03, "$n$", va="center")
+    axes.text(1.7, -0.1, "$n$", va="center")
     axes.text(-0.03, 1.05, "$t$", ha="right")
     axes.axvline(0, color="0.6", lw=0.6)
     plain(
-        axes, "a force that slides, and how the joint moves:\nto the left of the vertical it opens", (-0.25, 1.9), (-0.75, 1.75)
+        axes,
+        "a force at which the joint slides, and how it moves:\nto the left of the vertical it opens",
+        (-0.25, 2.2),
+        (-0.75, 1.75),
     )
 
 
@@ -80,7 +84,8 @@ def overturning(axes: Axes) -> None:
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     corners = (np.array([(-0.8, 0), (0, 0), (0, 1.6), (-0.8, 1.6)]) @ turn.T) + [0.8, 0]
     axes.add_patch(Polygon(corners, fill=False, edgecolor=MOTION, ls="--", lw=1.2))
-    arrow(axes, (0.4, 0.8), (0.0, -0.6), FORCE, "$W$")
+    arrow(axes, (0.4, 0.8), (0.0, -0.5), FORCE)
+    axes.text(0.34, 0.5, "$W$", color=FORCE, ha="right", va="center")
     arrow(axes, (0.4, 0.8), (0.75, 0.0), FORCE, r"$\alpha W$")
     axes.plot([-0.3, 1.5], [0, 0], color="0.3", lw=1.5)
     axes.text(0.4, -0.14, "$b$", ha="center")
