@@ -97,16 +97,17 @@ _OTHER_MOTION = "So it follows another motion, and a check by displacements that
 _ASK_FOR_IT = 'Ask for that value: flow = ["associative", "non-associative"] under [rigid].'
 # Why load factors of one structure differ, by the kind of analysis.
 _REASONS = {
-    "associative": "joints of an associative analysis open as they slide (dilatancy), so its load factor is an upper estimate",
-    "non-associative": "joints of a non-associative one slide without opening, under thrusts that are one possibility of several",
-    "shell": "the shell is associative too, with infinitely small stones, cracks as wide as an element and walls that meet on "
-    "their mid-planes, so it may err to either side",
-    "cohesion": "joints with cohesion bear tension in the shell (up to the cohesion over the friction coefficient) and none "
-    "between stones, so the shell may be far too strong",
-    "torsion": "friction at the corners of a joint overrates its resistance to torsion, which the torsion model gets right under "
-    "uniform pressure",
-    "crushing": "the masonry crushes in analyses of the stones and in a shell of cells alone",
-    "planes": "planes of the paper are an outer approximation of the shell's strength, so their load factors are too large",
+    "associative": "In an associative analysis joints open as they slide (dilatancy): its load factor is an upper estimate.",
+    "non-associative": "In a non-associative one they slide without opening, as real joints do; its load factor is one of an "
+    "interval.",
+    "shell": "The shell is associative too. It has infinitely small stones, cracks as wide as an element, and walls that meet on "
+    "their mid-planes, so that it may err to either side.",
+    "cohesion": "Joints with cohesion bear tension in the shell (up to the cohesion over the friction coefficient) and none "
+    "between stones, so that the shell may be far too strong.",
+    "torsion": "Friction at the corners of a joint overrates its resistance to torsion, which the torsion model gets right under "
+    "uniform pressure.",
+    "crushing": "The masonry crushes in analyses of the stones and in a shell of cells alone.",
+    "planes": "The planes of the paper overrate the strength of the shell, so that their load factors are too large.",
 }
 
 
@@ -150,7 +151,7 @@ def guidance(analyses: Sequence[Analysis], vaults: Mapping[str, Sequence[str]] |
     sentences = [_advice(records) for records in several]
     if len(sentences) > 3:
         reasons = _reasons([record for records in several for record in records])
-        sentences = [f"Of the load factors for one load and one strength use the lowest. They differ because {reasons}."]
+        sentences = [f"Of the load factors for one load and one strength use the lowest. Why they differ: {reasons}"]
     return first + sentences + _of_lower_states(standing, NEARLY, "states") + weaker_variants(analyses) + _of_curves(analyses)
 
 
@@ -176,7 +177,7 @@ def _advice(records: Sequence[Analysis]) -> str:
     start = f"{_load_words(first)}: use {least} ({'; '.join(map(_kind, alike))})"
     if not others:
         return f"{start}, in which all limit analyses agree."
-    return f"{start}, the careful value, not {', '.join(others)}; they differ because {_reasons(records)}."
+    return f"{start}, the careful value, not {', '.join(others)}. Why they differ: {_reasons(records)}"
 
 
 def _of_lower_states(analyses: Sequence[Analysis], mark: str, found: str) -> list[str]:
@@ -246,7 +247,7 @@ def _reasons(records: Sequence[Analysis]) -> str:
     keys |= {"cohesion"} if any(record.of_shell and record.coheres for record in records) else set()
     keys |= {"torsion"} if len({record.contact_model for record in records if record.contact_model}) > 1 else set()
     keys |= {"crushing"} if len({record.crushes for record in records}) > 1 else set()
-    return "; ".join(reason for key, reason in _REASONS.items() if key in keys)
+    return " ".join(reason for key, reason in _REASONS.items() if key in keys)
 
 
 def contact_models(analyses: Sequence[Analysis]) -> list[ContactModels]:

@@ -105,10 +105,10 @@ def test_a_sentence_says_which_load_factor_to_use_and_why_they_differ() -> None:
     ]
     # Where the stones agree under both flow rules, dilatancy is not why the shell differs.
     [sentence] = guidance([associative, analysed(0.206501, flow="non-associative"), shell])
-    assert "they differ because the shell is associative" in sentence
+    assert "Why they differ: The shell is associative" in sentence
     [sentence] = guidance([associative, analysed(0.15, method="limit", planes="paper")])
     assert sentence.startswith("Load -y: use 0.2065 (rigid blocks, associative)")
-    assert "planes of the paper are an outer approximation" in sentence
+    assert "planes of the paper overrate the strength" in sentence
 
 
 @pytest.mark.parametrize(
@@ -177,10 +177,10 @@ def test_cohesion_is_named_where_it_makes_the_shell_stronger() -> None:
     both = {"cohesion_kPa": 5.0}
     stones, shell = analysed(0.25, flow="associative", **both), analysed(0.355, method="limit", **both)
     [sentence] = guidance([stones, shell])
-    assert "joints with cohesion bear tension in the shell" in sentence
+    assert "Joints with cohesion bear tension in the shell" in sentence
     by_material = {"cohesion_kPa": {"a": 0.0, "b": 5.0}}
     [sentence] = guidance([analysed(0.25, flow="associative", **by_material), analysed(0.355, method="limit", **by_material)])
-    assert "joints with cohesion bear tension in the shell" in sentence
+    assert "Joints with cohesion bear tension in the shell" in sentence
     # Nothing of it where joints have none, nor of stones alone.
     [sentence] = guidance([analysed(0.25, flow="associative"), analysed(0.355, method="limit")])
     assert "cohesion" not in sentence

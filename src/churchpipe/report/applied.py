@@ -95,7 +95,7 @@ def _tie_cells(tie: TieForce) -> tuple[str, ...]:
         amount(0.0 if tie.tension <= _SLACK * tie.strength else tie.tension / 1e3, 1),
         amount(tie.strength / 1e3, 1),
         "" if math.isnan(tie.share) else f"{tie.share:.2f}",
-        "at its strength" if tie.yielded else "below it",
+        "yes" if tie.yielded else "no",
         tie.governs,
     )
 

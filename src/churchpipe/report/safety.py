@@ -27,16 +27,16 @@ ACTIVATION = (
     ("a\u2080*, m/s\u00b2", "spectral acceleration that activates the mechanism, with e* = 1", "a0_lumped", 3),
     ("M*, t", "participating mass of the stones", "participating_mass", 1),
     ("e* of stones", "fraction of the moving mass that participates, each stone lumped at its centroid", "mass_fraction", 3),
-    ("a\u2080* of stones", "the same acceleration with e* of the stones, m/s\u00b2", "a0", 3),
+    ("a\u2080* of stones, m/s\u00b2", "the same acceleration with e* of the stones", "a0", 3),
 )
 SITE = (
-    ("Begins, m", "height of the lowest stone that moves above the foot of the building", "begins", 2),
+    ("Begins at, m", "height of the lowest stone that moves above the foot of the building", "begins", 2),
     ("a_g, m/s\u00b2", "ground acceleration on rock", "a_g", 3),
     ("S", "soil factor", "soil_factor", 2),
     ("q", "behaviour factor", "q", 1),
-    ("a_g S / q", "demand at the ground, m/s\u00b2", "demand", 3),
-    ("a_Z / q", "demand at the height of the mechanism, m/s\u00b2", "floor_demand", 3),
-    ("a_g,SLV", "ground acceleration that the mechanism withstands, with e* = 1, m/s\u00b2", "a_g_slv", 3),
+    ("a_g S / q, m/s\u00b2", "demand at the ground", "demand", 3),
+    ("a_Z / q, m/s\u00b2", "demand at the height of the mechanism", "floor_demand", 3),
+    ("a_g,SLV, m/s\u00b2", "ground acceleration that the mechanism withstands, with e* = 1", "a_g_slv", 3),
     ("\u03b6_E", "a_g,SLV over a_g, with e* = 1", "zeta_e", 2),
     ("\u03b6_E, FC 1.35", "\u03b6_E with the confidence factor of the lowest knowledge level, e* = 1", "zeta_e_lc1", 2),
     ("\u03b6_E of stones", "the same with e* of the stones", "zeta_e_stones", 2),
@@ -121,8 +121,8 @@ def overall(rows: Sequence[Row], questions: Sequence[Hashable]) -> dict[str, Any
     (lead, alike), failed = min(found, key=lambda one: _zeta(one[0])), [row for row, _ in found if fails(row)]
     of_site = figure(lead.record.check.a_g if lead.record.check else None, 3)
     words = (
-        f"the lowest \u03b6_E, the share of the ground acceleration asked for that it withstands, is {figure(_zeta(lead), 2)} "
-        f"({lead.label}), for a_g = {of_site} m/s\u00b2."
+        f"the lowest safety index \u03b6_E is {figure(_zeta(lead), 2)} ({lead.label}): the ground acceleration that the building "
+        f"withstands, over the a_g = {of_site} m/s\u00b2 that is asked for."
     )
     loads = ", ".join(dict.fromkeys(row.load for row in failed))
     told = f"Under {loads} the building does not bear what the earthquake asks;" if failed else "Of the loads of the case"

@@ -632,7 +632,7 @@ def test_the_check_without_a_site_compares_nothing(tmp_path: Path) -> None:
     [cells] = [row for row in page.rows if "3.3" in row]
     assert cells[1:] == ["0.2500", "36", "2", "1.35", "1.816", "3.3", "0.900", "2.018"]
     assert "The case does not say what the earthquake asks" in page.text
-    assert "Where crushing of the masonry is not modelled the circular asks" in page.text
+    assert "where crushing of the masonry is not modelled, the circular asks" in page.text
 
 
 @pytest.mark.parametrize(
@@ -653,8 +653,8 @@ def test_the_check_with_a_site_has_a_verdict(tmp_path: Path, changes: dict, word
     before = " ".join(Page(text.partition('<section class="cards"')[0]).text.split())
     assert f"Safety check: {told}." in before
     assert (
-        "is 2.02 (associative, load +x, friction 0.7), for a_g = 1.500 m/s\u00b2. It is made of an associative load factor"
-        in before
+        "is 2.02 (associative, load +x, friction 0.7): the ground acceleration that the building withstands, over the "
+        "a_g = 1.500 m/s\u00b2 that is asked for. It is made of an associative load factor" in before
     )
     assert ("Under +x the building does not bear" in before) == (told == "not satisfied")
     # A card whose check fails is not as green as the solver is content.

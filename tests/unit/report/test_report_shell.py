@@ -241,9 +241,9 @@ def test_sections_of_the_domain_agree_with_the_planes_where_these_are_exact() ->
 @pytest.mark.parametrize(
     ("overlap", "told"),
     [
-        ("0.0 %", "come to as much as"),
-        ("-0.0 %", "come to as much as"),
-        ("-0.3 %", "come to 0.3 % less than"),
+        ("0.0 %", "comes to as much as"),
+        ("-0.0 %", "comes to as much as"),
+        ("-0.3 %", "is 0.3 % less than"),
         ("0.6 %", "0.6 % of"),
     ],
 )
