@@ -25,7 +25,7 @@ PICTURES = {
     "uncertainty": ("s5_uncertain", "#uncertainty"),
     "church_convergence": ("church_sliding", "#convergence"),
 }
-WINDOW: ViewportSize = {"width": 1200, "height": 1180}
+WINDOW: ViewportSize = {"width": 1200, "height": 1760}
 
 
 def main(names: Sequence[str]) -> None:

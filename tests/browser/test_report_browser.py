@@ -254,7 +254,7 @@ def test_a_stone_is_found_by_its_name_and_marked(page: Page) -> None:
     )
     page.fill("#viewer-stone", fastest)
     page.press("#viewer-stone", "Enter")
-    largest = page.inner_text("#viewer-moved").removeprefix("largest displacement ")
+    largest = page.inner_text("#viewer-moved").removeprefix("largest displacement as drawn ")
     assert page.inner_text("#viewer-picked").endswith(f", moves {largest}")
 
 

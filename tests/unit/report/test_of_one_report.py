@@ -121,7 +121,9 @@ def test_the_viewer_knows_how_far_the_fastest_stone_goes() -> None:
     (found,) = viewer_data(stones, [(analysis(), state, "fast")])["analyses"]
     assert found["fastest"] == 100.0 > found["reference_speed"]
     # What the page calls the largest displacement is that of this stone.
-    assert re.search(r"largest displacement \$\{lengthText\(amplitude \* state\.analysis\.fastest\)\}", static_text("viewer.js"))
+    assert re.search(
+        r"largest displacement as drawn \$\{lengthText\(amplitude \* state\.analysis\.fastest\)\}", static_text("viewer.js")
+    )
 
 
 def test_the_size_of_a_turned_building_is_said_to_be_along_the_axes(drawn: list[Job], tmp_path: Path) -> None:

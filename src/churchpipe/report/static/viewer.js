@@ -181,7 +181,7 @@ function start(canvas, renderer) {
     // Opened joints are drawn on the shell as it stands.
     shell?.move(state.view === "overlay" ? 0 : 2 * state.share * shell.current.amplitude);
     element("viewer-moved").textContent = path ? words : state.analysis.moving
-      ? `largest displacement ${lengthText(amplitude * state.analysis.fastest)}` : "no mechanism";
+      ? `largest displacement as drawn ${lengthText(amplitude * state.analysis.fastest)}` : "no mechanism";
     canvas.dataset.amplitude = amplitude;
     name();
     draw();
