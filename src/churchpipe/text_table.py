@@ -1,14 +1,15 @@
 """Texts of a table in columns as wide as there is room for."""
 
+import re
 from collections.abc import Sequence
-from textwrap import wrap
+from textwrap import TextWrapper
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console, ConsoleOptions, RenderResult
 from rich.table import Column, Table
 from rich.text import Text
 
-# Longer words, such as names made of many parts, may be broken.
+# Longer words, such as names made of many parts, may be broken, between their parts where there is room for these.
 _LONGEST = 16
 
 
@@ -70,8 +71,16 @@ def _text(cell: object) -> Text:
 
 
 def _lines(text: str, width: int, *, whole: bool = True) -> list[str]:
-    """Return a text in lines of so many letters; whole: longer words are not broken."""
-    return wrap(text, width, break_long_words=not whole) or [""]
+    """Return a text in lines of so many letters; whole: longer words are not broken, but for long names."""
+    return _Wrapper(width, break_long_words=not whole).wrap(text) or [""]
+
+
+class _Wrapper(TextWrapper):
+    """Ends lines also after an underscore of a long name."""
+
+    def _split(self, text: str) -> list[str]:
+        words = super()._split(text)
+        return [part for word in words for part in (re.split("(?<=_)", word) if len(word) > _LONGEST else [word]) if part]
 
 
 def _fitted(least: Sequence[int], natural: Sequence[int], room: int) -> list[int]:

@@ -75,6 +75,17 @@ def test_words_stay_whole(variant: str | None, width: int) -> None:
     assert max(map(len, text.splitlines())) <= width
 
 
+@pytest.mark.parametrize("width", [80, 100, 112])
+def test_a_long_name_ends_a_line_between_its_parts(width: int) -> None:
+    parts = tuple(Part(f"wall_{number}", 2e4, 1.0, 0.5, 0.2) for number in range(5))
+    records = [
+        replace(analysis(flow="associative"), name=name, parts=parts) for name in ("+x_associative", "+x_associative_twoties")
+    ]
+    told = shown(mechanism_table(replace(summary(), analyses=tuple(records))), width)
+    assert "+x_associative" in told
+    assert "twoties" in told
+
+
 def test_a_long_name_of_a_run_is_whole(tmp_path: Path) -> None:
     name = "church_with_" * 8 + "end"
     (tmp_path / name).mkdir()
