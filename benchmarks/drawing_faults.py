@@ -10,6 +10,7 @@ import ezdxf
 import numpy as np
 from ezdxf.path import make_path
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from churchpipe.findings import CODES, FindingsError
 from churchpipe.meshes.reader import read_file
@@ -33,7 +34,7 @@ SHOWN = {
 
 def main() -> None:
     """Read the drawings, draw them as drawn, and circle what was found."""
-    figure = Figure(figsize=(15, 4.8), layout="constrained")
+    figure = Figure(figsize=(15, 6), layout=ConstrainedLayoutEngine(h_pad=0.12))
     for axes, (name, code) in zip(figure.subplots(2, 5).flat, SHOWN.items(), strict=True):
         corners = []
         for entity in ezdxf.readfile(CORPUS / name).modelspace():
@@ -54,7 +55,7 @@ def main() -> None:
         margin = 0.15 * float((high - low).max())
         axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin), aspect="equal")
         axes.set_axis_off()
-        axes.set_title(fill(f"{code}: {CODES[code]}", 34), fontsize=10, color="crimson" if code[0] == "E" else "0.1")
+        axes.set_title(fill(f"{code}: {CODES[code]}", 27), fontsize=13, color="crimson" if code[0] == "E" else "0.1")
     figure.savefig(PICTURE, dpi=100)
 
 

@@ -24,7 +24,7 @@ RAYS = 48
 
 def main() -> None:
     """Draw the picture."""
-    figure, axes = plt.subplots(1, 3, figsize=(12, 4), layout="constrained")
+    figure, axes = plt.subplots(1, 3, figsize=(9.6, 3.6), layout="constrained")
     for place, (title, first, second, kept, names) in zip(axes, SECTIONS, strict=True):
         for bond, style in BONDS.items():
             corners, _ = domain_section(*WALL, first, second, kept, rays=RAYS, bond=bond)
@@ -34,7 +34,7 @@ def main() -> None:
         place.axvline(0, color="0.8", lw=0.6, zorder=0)
     axes[0].set_xlim(-3, 0.6)
     axes[0].legend(fontsize=8)
-    figure.savefig(Path(__file__).parents[1] / "docs" / "pictures" / "strength_domains.png", dpi=110)
+    figure.savefig(Path(__file__).parents[1] / "docs" / "pictures" / "strength_domains.png", dpi=140)
 
 
 if __name__ == "__main__":
