@@ -21,7 +21,7 @@ CAPACITY = (
     ("T, s", "secant period", "period", 1.0, 3),
     ("\u03be, %", "damping", "damping_percent", 1.0, 0),
     ("Demand, mm", "spectral displacement at that period for the a_g of the case", "demand", 1e3, 1),
-    ("a_g, m/s\u00b2", "ground acceleration that the mechanism withstands", "a_g", 1.0, 3),
+    ("a_g withstood, m/s\u00b2", "ground acceleration that the mechanism withstands", "a_g", 1.0, 3),
 )
 _LIMIT_COLOURS = {"SLV": colours.PUSH, "SLC": colours.ALARM}
 
