@@ -20,7 +20,8 @@ from churchpipe.large_displacements.step import StepAnswer, StepProgram, fitting
 from churchpipe.large_displacements.travelling import TravellingLoads
 from churchpipe.mechanism import reference_speed, stone_speed
 from churchpipe.model.arrays import BoolArray, FloatArray
-from churchpipe.rigid_blocks.coulomb import bipotential_gap
+from churchpipe.rigid_blocks.coulomb import CoulombState, bipotential_gap
+from churchpipe.rigid_blocks.interval import no_higher
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,9 +137,10 @@ def _with_present_tensions(
 ) -> StepAnswer:
     """Return the answer of an attempt with load factor and forces under the tensions that elastic ties have at this state.
 
-    Its motion is that under the tensions which they reach within the step, or stones that a stiff tie holds would run away. Of
-    the forces that fit it, among them those near its own where these were sought in pairs of programs, those with the least load
-    factor are taken. Where none fit, as where a stone slides towards the tie that pulls it, the answer stays as it is.
+    Its motion is that under the tensions which they reach within the step, or stones that a stiff tie holds would run away. The
+    forces that fit it, from the least to the greatest load factor, are an interval, so those with the load factor of the answer
+    are taken, or with the nearest to it. Where none fit, as where a stone slides towards the tie that pulls it, the answer stays
+    as it is.
     """
     answer, count = attempt.answer, len(model.ties.name)
     tension = model.ties.tension(state.rest, state.poses, model.ties.broken(state.rest, state.fallen)) / model.force
@@ -158,16 +160,17 @@ def _with_present_tensions(
             step_answer(held, sliding, each.forces, each.load_factor, answer.y)
             for each in (own, fitting_forces(held, own, solve))
         ]
-    fitting: list[StepAnswer] = []
+    fitting: list[CoulombState] = []
     for each in found:
-        if each.outcome != "solved" or each.residual > PATH.balance:
-            continue
-        gap, forces = bipotential_gap(held, strength, each.forces, answer.y), each.forces + pull
-        now = replace(answer, forces=forces, load_factor=each.load_factor, residual=each.residual, violation=each.violation)
-        now = replace(now, gap=max(gap, answer.gap))
-        if now.misfit <= max(answer.misfit, PATH.fits):
-            fitting.append(now)
-    return min(fitting, key=attrgetter("load_factor"), default=answer)
+        if each.outcome == "solved" and each.residual <= PATH.balance:
+            gap = bipotential_gap(held, strength, each.forces, answer.y)
+            if gap <= max(answer.misfit, PATH.fits) * max(abs(each.load_factor), answer.least):
+                fitting.append(CoulombState(each.forces, each.load_factor, answer.y, gap))
+    if not fitting:
+        return answer
+    fits = no_higher(held, strength, min(fitting, key=attrgetter("load_factor")), answer.load_factor)
+    now = step_answer(held, sliding, fits.x, fits.load_factor, answer.y)
+    return replace(now, forces=fits.x + pull, bound_gap=answer.bound_gap, gap=max(now.gap, answer.gap), message=answer.message)
 
 
 def _work(model: MovingModel, answer: StepAnswer, rate: FloatArray) -> float:

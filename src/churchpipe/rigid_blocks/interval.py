@@ -14,7 +14,7 @@ from churchpipe.conic.wrenches import BODY, as_matrix
 from churchpipe.model.arrays import FloatArray
 from churchpipe.rigid_blocks.certificate import Strength
 from churchpipe.rigid_blocks.coulomb import LEAST_FACTOR, CoulombState, bipotential_gap, gap_coefficients
-from churchpipe.rigid_blocks.equilibrium import Equilibrium
+from churchpipe.rigid_blocks.equilibrium import Balanced
 from churchpipe.rigid_blocks.settings import BIPOTENTIAL_GAP
 
 # Error of the program of an end, over the load factor; and what its gap keeps away from the gap allowed, for rounding.
@@ -22,13 +22,13 @@ _ERROR = 1e-5
 _KEPT = 1e-4
 
 
-def mechanism_interval(balance: Equilibrium, strength: Strength, state: CoulombState) -> tuple[float, float]:
+def mechanism_interval(balance: Balanced, strength: Strength, state: CoulombState) -> tuple[float, float]:
     """Return the least and the greatest load factor of the Coulomb states that fit the mechanism of a given one."""
     found = [end.load_factor for end in mechanism_ends(balance, strength, state)]
     return found[0], found[1]
 
 
-def mechanism_ends(balance: Equilibrium, strength: Strength, state: CoulombState) -> tuple[CoulombState, CoulombState]:
+def mechanism_ends(balance: Balanced, strength: Strength, state: CoulombState) -> tuple[CoulombState, CoulombState]:
     """Return the states with the least and the greatest load factor that fit the mechanism of a given one.
 
     For fixed velocities the compatible states are convex: equilibrium, friction cones, and a gap g of at most 1e-5 alpha, or that
@@ -42,13 +42,26 @@ def mechanism_ends(balance: Equilibrium, strength: Strength, state: CoulombState
     return rows.farthest(-1.0), rows.farthest(1.0)
 
 
+def no_higher(balance: Balanced, strength: Strength, state: CoulombState, load_factor: float) -> CoulombState:
+    """Return the state that fits the mechanism of a given one with this load factor, or with the one nearest to it.
+
+    The given state itself, where its load factor is no higher.
+    """
+    if state.load_factor <= load_factor:
+        return state
+    least = _WithGap(balance, strength, state).farthest(-1.0)
+    above = state.load_factor - least.load_factor
+    return _mixed(state, least, min((state.load_factor - load_factor) / above, 1.0)) if above > 0 else state
+
+
 class _WithGap:
     """The programs of both ends."""
 
-    def __init__(self, balance: Equilibrium, strength: Strength, state: CoulombState) -> None:
+    def __init__(self, balance: Balanced, strength: Strength, state: CoulombState) -> None:
         self._balance, self._strength, self._state = balance, strength, state
         certified = state.relative_gap <= BIPOTENTIAL_GAP
         self._share = BIPOTENTIAL_GAP if certified else BIPOTENTIAL_GAP + state.relative_gap
+        self._plain = balance.program(strength.cohesion, strength.friction, strength.bound)
         coefficients, self._constant = gap_coefficients(balance, strength, state.y)
         # In the size of the other rows: what is left to the gap is as large as the largest load.
         size = max(abs(state.load_factor), LEAST_FACTOR)
@@ -57,7 +70,7 @@ class _WithGap:
         column = np.flatnonzero(row)
         # Rows come in blocks of six.
         below = sp.csc_matrix((row[column], (np.zeros_like(column), column)), shape=(BODY, len(row)))
-        above = sp.hstack([as_matrix(balance.balance), sp.csc_matrix((len(balance.dead), 3))])
+        above = sp.hstack([as_matrix(self._plain.balance), sp.csc_matrix((len(balance.dead), 3))])
         self._matrix = sp.csc_matrix(sp.vstack([above, below]))
         self._solve: Solve = solver_for(self._matrix)
 
@@ -80,8 +93,7 @@ class _WithGap:
 
     def _program(self, sign: float) -> ConeProgram:
         """Return max sign alpha, where g + (what is left) = share alpha, or share times the least factor for a smaller alpha."""
-        balance, strength = self._balance, self._strength
-        plain = balance.program(strength.cohesion, strength.friction, strength.bound)
+        plain = self._plain
         small = abs(self._state.load_factor) <= LEAST_FACTOR
         share = self._share * (1.0 - _KEPT)
         fixed, growing = (share * LEAST_FACTOR, 0.0) if small else (0.0, share)
@@ -99,8 +111,9 @@ class _WithGap:
             longer(plain.limit),
             # With friction, though nothing pulls on it, the last point has a cone like all others.
             longer(plain.slope, 1.0),
-            longer(plain.linear),
-            longer(plain.quadratic),
+            # The gap, and with it that of the points, is in the row alone.
+            longer(np.zeros_like(plain.linear)),
+            longer(np.zeros_like(plain.quadratic)),
             bound=longer(plain.bound, np.inf),
         )
 
