@@ -12,6 +12,7 @@ from churchpipe import stages
 from churchpipe.configuring import configure
 from churchpipe.errors import InputError
 from churchpipe.generators.wall import wall as free_wall
+from churchpipe.geometry.punching import punched_edge
 from churchpipe.io.records import Analysis, read_record
 from churchpipe.loading.plates import plate_on
 from churchpipe.loading.ties import place_ties
@@ -42,14 +43,57 @@ def test_what_governs_the_strength() -> None:
         ({"bearing_strength": 1e6, "punching_strength": 0.03e6}, 45e3, "punching of the wall at its end"),
     ]
     for more, strength, governs in expected:
-        bar = cp.TieBar("rod", ("west", 0.5, 3.5), ("east", 0.5, 3.5), **STEEL, **options, **more)
+        bar = cp.TieBar("rod", ("west", 1.0, 2.0), ("east", 1.0, 2.0), **STEEL, **options, **more)
         (tie,) = place_ties(two_walls(), [bar])
         assert tie.strength == pytest.approx(strength, rel=1e-12)
         assert tie.governs == governs
         # Through both walls, from far face to far face.
-        assert tie.start == pytest.approx([0, 0.5, 3.5])
-        assert tie.end == pytest.approx([4.5, 0.5, 3.5])
+        assert tie.start == pytest.approx([0, 1.0, 2.0])
+        assert tie.end == pytest.approx([4.5, 1.0, 2.0])
         assert tie.stiffness == pytest.approx(210e9 * 4e-4 / 4.5)
+
+
+@pytest.mark.parametrize(
+    ("along", "height", "edge"),
+    [
+        # At the top of the wall and its end: the plate's pyramid is .7 x .8 m half way through. What is left of it, up to both.
+        (0.5, 3.5, 0.85 + 0.9),
+        # At the top alone, which cuts its upper side off; and .3 m above that side, where breaking out to it is shorter.
+        (1.0, 3.75, 0.7 + 2 * 0.65),
+        (1.0, 3.3, 0.7 + 2 * 1.1),
+        # .5 m above it, where it is not.
+        (1.0, 3.1, 3.0),
+    ],
+)
+def test_a_plate_punches_out_to_a_near_edge(along: float, height: float, edge: float) -> None:
+    places = ("west", along, height), ("east", along, height)
+    bar = cp.TieBar("rod", *places, **STEEL, plate=(0.2, 0.3), punching_strength=0.03e6)
+    (tie,) = place_ties(two_walls(), [bar])
+    assert tie.strength == pytest.approx(edge * 0.5 * 0.03e6, rel=1e-6)
+    near = " near its edge" if edge < 3 else ""
+    assert tie.governs == f"punching of the wall at its end{near}"
+
+
+def test_a_plate_punches_out_to_an_opening() -> None:
+    # Courses of .5 m, a window from 1 to 2 m along and up. The pyramid of the plate beside it is .7 x .7 m half way through, with
+    # a side .2 m from the window: it loses this side of .7 m, and gains twice .2 m. Joints are no edges, nor is that between the
+    # two leaves of a wall, in the very middle of which the section would lie.
+    window = {"start": 1.0, "width": 1.0, "height_courses": 2, "sill_courses": 2, "lintel_bearing": 0.5}
+    stones = cp.derive_blocks(
+        free_wall(length=4.0, brick=(1.0, 0.5, 0.5), courses=6, openings=[window], materials=[cp.Material("default", 18e3, 0.6)])
+    )
+    outward = np.array([0.0, -1.0, 0.0])
+    assert punched_edge(stones, np.array([2.55, 0.0, 1.5]), outward, (0.2, 0.2), 0.5) == pytest.approx(0.7 + 2 * 0.9, rel=1e-6)
+    assert punched_edge(stones, np.array([3.0, 0.0, 1.5]), outward, (0.2, 0.2), 0.5) == pytest.approx(2.8, rel=1e-6)
+    leaves = cp.derive_blocks(free_wall(length=4.0, brick=(1.0, 0.5, 0.5), courses=6, pattern="header-stretcher", headers="none"))
+    assert punched_edge(leaves, np.array([2.0, 0.0, 1.5]), outward, (0.2, 0.2), 1.0) == pytest.approx(4.8, rel=1e-6)
+
+
+def test_the_plate_below_the_eaves_of_the_manual() -> None:
+    wall = cp.Assemblage.from_polyhedra([box((-9, 9), (-9, 9), (-1, 0)), box((-4, 4), (0, 0.6), (0, 5))], 18e3, [0])
+    outward = np.array([0.0, -1.0, 0.0])
+    assert punched_edge(wall, np.array([0.0, 0.0, 2.5]), outward, (0.3, 0.3), 0.6) == pytest.approx(3.6, rel=1e-6)
+    assert punched_edge(wall, np.array([0.0, 0.0, 4.7]), outward, (0.3, 0.3), 0.6) == pytest.approx(2.4, rel=1e-6)
 
 
 def test_two_walls_tied_through() -> None:

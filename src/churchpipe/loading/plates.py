@@ -3,6 +3,7 @@
 import numpy as np
 
 from churchpipe.errors import InputError
+from churchpipe.geometry.punching import level_frame
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
@@ -31,7 +32,7 @@ def plate_on(stones: Assemblage, where: str, centre: FloatArray, outward: FloatA
     for face in faces:
         corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]]
         _, (normal,), _ = face_normals(corners, np.arange(len(corners)), np.array([0, len(corners)]))
-        frame = _frame(normal)
+        frame = level_frame(normal)
         inside = _within((corners - centre) @ frame.T, 0.5 * np.array(size))
         area, middle = _area_and_middle(inside)
         if area > 0:
@@ -62,14 +63,6 @@ def _faces_at(stones: Assemblage, centre: FloatArray, outward: FloatArray, reach
             if normal @ outward > _SAME_WAY and abs((mean - centre) @ normal) < _APART:
                 found.append(face)
     return found
-
-
-def _frame(normal: FloatArray) -> FloatArray:
-    """Return a level and a rising unit vector (2, 3) in the plane of a face."""
-    level = np.array([-normal[1], normal[0], 0.0])
-    length = float(np.linalg.norm(level))
-    level = level / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
-    return np.array([level, np.cross(normal, level)])
 
 
 def _within(polygon: FloatArray, half: FloatArray) -> FloatArray:

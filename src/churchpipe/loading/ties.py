@@ -6,6 +6,7 @@ import numpy as np
 
 from churchpipe.errors import InputError
 from churchpipe.geometry.locate import inside_stones, stones_at
+from churchpipe.geometry.punching import punched_edge
 from churchpipe.geometry.walls import WallLine, points_of, wall_line
 from churchpipe.loading.joists import joists_of
 from churchpipe.loading.plates import plate_on
@@ -131,6 +132,7 @@ def _placed(stones: Assemblage, bar: TieBar) -> Tie:
     anchors: list[Anchor] = []
     ends: list[FloatArray] = []
     thickness: list[float | None] = []
+    edge: list[float | None] = []
     for end, place, wall, pull in zip(("start", "end"), (first, second), walls, (axis, -axis), strict=True):
         outer, outward = _outer(place, wall, pull)
         ends.append(outer)
@@ -142,8 +144,13 @@ def _placed(stones: Assemblage, bar: TieBar) -> Tie:
             count = len(found)
             anchor = Anchor(found, np.tile(outer, (count, 1)), np.full(count, 1 / count), stones.panel[found])
         anchors.append(anchor)
-        thickness.append(_thickness(stones, wall, anchor, outward))
-    strength, governs = bar.capacity((thickness[0], thickness[1]))
+        through = _thickness(stones, wall, anchor, outward)
+        thickness.append(through)
+        if bar.plate is None or bar.punching_strength is None or through is None:
+            edge.append(None)
+        else:
+            edge.append(punched_edge(stones, outer, outward, bar.plate, through))
+    strength, governs = bar.capacity((thickness[0], thickness[1]), (edge[0], edge[1]))
     length = float(np.linalg.norm(ends[1] - ends[0]))
     tie = Tie(
         bar.name,

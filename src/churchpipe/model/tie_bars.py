@@ -17,6 +17,8 @@ _BREAKS = Usual(0.002, 0.5, "steel breaks at some 0.05 to 0.25")
 _Plate = Annotated[float, Quantity("_mm", 0.0, above=True, usual=Usual(20, 3000, "washers to cast anchors and beams"))]
 _BEARING = Usual(0.05, 50, "rubble bears some 1, brickwork 2 to 4, ashlar 6 and more")
 _PUNCHING = Usual(0.005, 5, "mortars of lime have some 0.05, of cement up to 0.5")
+# Punching counts as near an edge where the pyramid lacks more than this share of its perimeter.
+_ALL_ROUND = 1e-6
 _STIFF = Usual(20, 300, "fibres to steel")
 
 
@@ -161,27 +163,36 @@ class TieBar:
         store(self, modulus=float(modulus), ultimate_strain=ultimate_strain)
         doubt_fields(self)
 
-    def capacity(self, thickness: tuple[float | None, float | None] = (None, None)) -> tuple[float, str]:
+    def capacity(
+        self,
+        thickness: tuple[float | None, float | None] = (None, None),
+        edge: tuple[float | None, float | None] = (None, None),
+    ) -> tuple[float, str]:
         """Return the largest tension, N, and what governs it.
 
         The least of the yield of the steel A f_y; of what the masonry bears under a plate of b x h, f_c b h; and of what holds a
-        truncated pyramid at 45 degrees in a wall of thickness t, punched out by the plate: its perimeter half way through,
-        2 (b + h + 2 t), times t f_v.
+        truncated pyramid at 45 degrees in a wall of thickness t, punched out by the plate: its edge half way through times t f_v.
 
         Parameters
         ----------
         thickness
             Of the walls at start and end, m; None where a wall is not punched.
+        edge
+            How much of the pyramid's perimeter there lies within masonry, m (`geometry.punching`); None: all of it,
+            2 (b + h + 2 t).
         """
         found = [(self.area * self.steel_strength, "yield of the steel")]
         if self.plate:
             width, height = self.plate
             if self.bearing_strength:
                 found.append((self.bearing_strength * width * height, "bearing under the plates"))
-            for end, t in zip(("start", "end"), thickness, strict=True):
+            for end, t, within in zip(("start", "end"), thickness, edge, strict=True):
                 if self.punching_strength and t is not None:
                     around = 2 * (width + height + 2 * t)
-                    found.append((self.punching_strength * around * t, f"punching of the wall at its {end}"))
+                    near = within is not None and within < around * (1 - _ALL_ROUND)
+                    sheared = within if near and within is not None else around
+                    place = " near its edge" if near else ""
+                    found.append((self.punching_strength * sheared * t, f"punching of the wall at its {end}{place}"))
         return min(found, key=lambda item: item[0])
 
 
