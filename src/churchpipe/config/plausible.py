@@ -2,9 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import is_dataclass
-from itertools import combinations
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -12,10 +10,7 @@ import numpy as np
 from churchpipe.config.carries import KINDS, LOADS, plain
 from churchpipe.config.distributions import quantile
 from churchpipe.config.overrides import value_at
-from churchpipe.errors import InputError
-from churchpipe.geometry.charts import lift
-from churchpipe.model.building import Panel
-from churchpipe.model.carried import SURFACE
+from churchpipe.config.soil_questions import of_soil
 from churchpipe.model.doubts import question
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.quantities import UNITS, Usual, declared, unit_of, written
@@ -34,8 +29,6 @@ _HARDLY = np.array([1e-3, 1 - 1e-3])
 _RECTANGLE = Usual(50.0, 100e3, "a pier of a model to half a church")
 # Piers thinner than this many thicknesses of their groin vault are questioned.
 _PIER = 2.0
-# Surfaces that are higher than a wall by more, m, are questioned.
-_LEVEL = 0.01
 _DILATANT_VAULT = (
     "A vault is analysed with joints that open as they slide, an upper estimate, up to twice the load factor that is "
     'safe: flow = "non-associative" in [rigid] gives the value to use. Is it left out on purpose?'
@@ -103,8 +96,7 @@ def _of_case(case: "Case") -> Iterator[str]:
     yield from _of_directions(case)
     yield from _of_weights(case)
     yield from _of_vaults(case)
-    yield from _of_fills(case)
-    yield from _of_pressures(case)
+    yield from of_soil(case)
     yield from (f"{said} Is it meant?" for said in (*case.loose_ends(), *case.hanging()))
     yield from _of_thrusts(case)
     yield from _of_storeys(case)
@@ -337,56 +329,6 @@ def _of_vaults(case: "Case") -> Iterator[str]:
             f"Stones of {given.get('stone_sides', 2)} sides are bowed in plan by {1e3 * bow:.3g} mm, which acts as additional "
             "thickness of their lunes. Is stone_sides = 1 meant?"
         )
-
-
-def _of_fills(case: "Case") -> Iterator[str]:
-    """Yield what to ask where fill lies in other fill, not on the backing of its vault, or between walls that nothing presses
-    on."""
-    for (number, one), (later, other) in combinations(enumerate(case.carries.fills), 2):
-        shared = [name for name in one.on if name in other.on]
-        if shared and one != other:
-            level = f"{min(one.top, other.top):g} m"
-            yield (
-                f"fills.{number} and fills.{later} both lie on {' and '.join(shared)}, and below z = {level} both count. "
-                "Is it meant? In two layers the lower one has the difference of the unit weights."
-            )
-    parts: Sequence[str] = ()
-    if case.carries.fills and hasattr(case.source, "generator"):
-        with suppress(InputError):  # Told, with its line, where the building is made.
-            parts = case.laid().macro_elements
-    covered = {name for fill in case.carries.fills for name in fill.on}
-    # Of a vault alone the backing has no name before it.
-    bare = [part for part in parts if "backing" in part and part not in covered]
-    bare = [part for part in bare if (part.partition("backing")[0].rstrip("_") or "vault") in covered]
-    if bare:
-        yield (
-            f"[[fills]] lie on a vault and not on its backing, {', '.join(bare)}: what is above the backing is left out. "
-            'Is it meant? "on" takes the names of all parts that fill lies on.'
-        )
-    given: dict[str, Any] = getattr(case.source, "parameters", {})
-    alone = getattr(case.source, "generator", "") in ("vault", "dome") and not {"wall_height", "drum_height"} & given.keys()
-    if case.carries.fills and not case.carries.pressures and not alone:
-        yield (
-            "[[fills]] press on what they lie on, and on nothing beside it. Loose fill pushes the walls of its vault outwards as "
-            "well, and without that they come out too strong: [[pressures]] on each of them say it. Is it left out on purpose?"
-        )
-
-
-def _of_pressures(case: "Case") -> Iterator[str]:
-    """Yield what to ask about soil or water whose surface is above the wall that it presses on."""
-    panels: Sequence[Panel] = ()
-    if case.carries.pressures and hasattr(case.source, "generator"):
-        with suppress(InputError):  # Told, with its line, where the building is made.
-            panels = case.laid().panels
-    tops = {panel.name: float(lift(panel.chart, panel.outline)[:, 2].max()) for panel in panels}
-    for number, pressure in enumerate(case.carries.pressures):
-        top = tops.get(pressure.wall, np.inf)
-        # Higher ones are questioned by themselves.
-        if top + _LEVEL < pressure.top <= SURFACE.high:
-            yield (
-                f"pressures.{number}.top_m is {pressure.top:g}, and {pressure.wall} ends at z = {top:.4g} m: what is higher "
-                "would spill over the wall, and its weight is taken as one on the surface of what is below. Is it meant?"
-            )
 
 
 def _of_record(record: Any, place: str) -> Iterator[str]:
