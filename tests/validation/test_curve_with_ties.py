@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
+from churchpipe.code_check import Site
+from churchpipe.displacement_check import displacement_check
 from models import bar_across, random_corner
 from solids import box, on_ground
 
@@ -75,6 +77,25 @@ def test_an_elastic_tie(stiffness: float, pretension: float, ultimate: float) ->
     assert curve.proved
     if ultimate == np.inf:
         assert curve.d0 == pytest.approx(curve_with(0.1).d0, rel=1e-4)
+
+
+@pytest.mark.parametrize("pretension", [0.0, 0.05])
+@pytest.mark.parametrize("ultimate", [np.inf, 0.02])
+def test_a_strong_tie_has_its_pretension_as_drawn(pretension: float, ultimate: float) -> None:
+    """A bar as strong as the weight lets the block slide, at .9 + 1, rather than rock, at b/h + 2 T z/(W h) = 2.
+
+    It stretches to that by 5 mm, a tenth of a step. As drawn it has its pretension, under which the block begins to rock.
+    """
+    curve = curve_with(1.0, stiffness=200 * WEIGHT, pretension=pretension * WEIGHT, ultimate=ultimate)
+    start = B / H + 2 * pretension * Z / H
+    assert curve.load_factor[0] == pytest.approx(start, rel=1e-4)
+    assert curve.initial == curve.load_factor[0]
+    assert curve.tie_forces[0] == pytest.approx([pretension * WEIGHT], abs=1e-9 * WEIGHT)
+    assert curve.load_factor[1] == pytest.approx(1.9, rel=1e-2)
+    # What starts the motion is what the check by accelerations is made with.
+    if ultimate < np.inf:
+        check = displacement_check(curve, STONES, PUSH, Site(1.5, soil_factor=1.2))
+        assert check.alpha0 == pytest.approx(start, rel=1e-4)
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from churchpipe.large_displacements.floating import floating
 from churchpipe.large_displacements.following import Ending, follow
 from churchpipe.large_displacements.halo import held_at_first
 from churchpipe.large_displacements.moving_model import MovingModel, bearing, moving_model
+from churchpipe.large_displacements.onset import first_load_factor
 from churchpipe.large_displacements.path import PathStep, solve_state
 from churchpipe.large_displacements.path_arguments import check_path, strengths_of
 from churchpipe.large_displacements.path_state import PathState, first_state
@@ -190,6 +191,7 @@ def block_pushover(
         certified = model.plain and sliding is not None and _certifies(sliding, *whole[:2])
         without_dilatancy = partial(analysed, flow="non-associative")
         model, start = _started(model, contacts, sliding if certified else None, without_dilatancy, whole[:2], state)
+        record.onset = first_load_factor(stones, load, ties, analysed, exactly=not model.large)
     return record.curve(follow(model, start, int(steps), record, halo, record.departure), perf_counter() - begin)
 
 
@@ -292,7 +294,7 @@ class _Curve(Record):
     ) -> None:
         super().__init__(model, control)
         self.furthest, self.progress, self.keep = furthest, progress, keep
-        self.nothing = model.least_factor
+        self.nothing, self.onset = model.least_factor, np.inf
         self.broken: dict[str, float] = {}
         self.tensions: list[FloatArray] = []
 
@@ -310,6 +312,10 @@ class _Curve(Record):
         ties, state = self.model.ties, step.state
         if ties.name:
             self.tensions.append(step.answer.forces[len(step.rate) - len(ties.name) : len(step.rate), 0] * self.model.force)
+        if len(self.poses) == 1 and self.load_factor[0] > self.onset + PATH.higher * max(self.onset, PATH.least):
+            # Its ties are as its motion stretches them: as drawn they have their pretension, and less is borne.
+            self.load_factor[0] = self.onset
+            self.tensions[0] = np.where(np.isfinite(ties.stiffness), ties.pretension, self.tensions[0])
         for name in np.array(ties.name)[ties.broken(state.rest, state.fallen)]:
             self.broken.setdefault(str(name), self.displacement[-1])
         if (ending := self.reached()) is not None:
@@ -348,7 +354,9 @@ class _Curve(Record):
         """
         if step.falling.any() or step.answer.outcome != "solved":
             return False
-        lost, first = self.load_factor[-1] - step.answer.load_factor, abs(self.load_factor[0])
+        # The first step may have begun with more than the load factor as drawn.
+        last = self.load_factor[-1] if self.step is None else self.step.answer.load_factor
+        lost, first = last - step.answer.load_factor, abs(self.load_factor[0])
         if lost > PATH.drop * first:
             return True
         if self.model.large or len(self.load_factor) < 2:
