@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from churchpipe.dxf.traces import Plane, Trace
-from churchpipe.findings import Finding
+from churchpipe.findings import Finding, Place
 from churchpipe.geometry.divisions import divided
-from churchpipe.geometry.nets import covering, farthest, net_of, outline_flaw, turned_left, without_idle_corners
+from churchpipe.geometry.nets import Left, covering, farthest, net_of, outline_flaw, turned_left, without_idle_corners
 from churchpipe.geometry.planar import Region, extent, less, nested, polygon
 from churchpipe.model.arrays import FloatArray
 
@@ -55,15 +55,14 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
         for k, gap in sorted(part for part in net.mended.items() if part[0] not in apart):
             what = "an end of the line misses the line that it should end on, or runs past it, by {}: they meet"
             remedy = "End it in the drawing where it should end if it was not meant to meet that line."
-            findings.append(traces[index[k]].place.finding("W25", what, lengths=(gap,), remedy=remedy))
+            place = _at(traces[index[k]], net.mended_at[k], plane)
+            findings.append(place.finding("W25", what, lengths=(gap,), remedy=remedy))
         for k, gap in sorted(part for part in net.doubtful.items() if part[0] not in apart):
             what = "a side is so short that lines near it, which miss each other by up to {}, may end at either end of it"
             remedy = "Let the lines here end on each other: two stones may be taken for one, or for neighbours."
             findings.append(traces[index[k]].place.finding("W25", what, lengths=(gap,), remedy=remedy))
-        for k, size in sorted(part for part in net.crossed.items() if part[0] not in apart):
-            what = "the line crosses others, with which it encloses an area {} long: it is left out, since no stone is so small"
-            remedy = "Let them cross in one point, or draw what they enclose as an outline if it is a stone."
-            findings.append(traces[index[k]].place.finding("W25", what, lengths=(size,), remedy=remedy))
+        for area in (area for area in net.left if area.line not in apart):
+            findings.append(_left_out(area, traces[index[area.line]], plane))
         for k in (index[border] for border in net.borders):
             rings[k] = None
         for k in (index[line] for line in net.alone):
@@ -175,6 +174,25 @@ def inside_others(outlines: Sequence[Outline]) -> list[Finding]:
 def layers_of(outlines: Sequence[Outline]) -> str:
     """Return the layers of outlines as a message names them, with how many outlines each has."""
     return ", ".join(f"{layer} ({count})" for layer, count in Counter(outline.trace.layer for outline in outlines).items())
+
+
+def _left_out(area: Left, trace: Trace, plane: Plane) -> Finding:
+    """Return the finding of an area that lines enclose and that is no stone, placed in its middle."""
+    if area.narrow:
+        what = "lines enclose an area {} long, {} wide: it is left out, since lines so near each other are taken for one"
+        remedy = "Draw what they enclose as an outline if it is a stone."
+    else:
+        what = (
+            "the line crosses others and encloses with them an area {} long, {} wide: it is left out, since no stone is so small"
+        )
+        remedy = "Let them cross in one point, or draw what they enclose as an outline if it is a stone."
+    return _at(trace, area.at, plane).finding("W25", what, lengths=(area.length, area.width), remedy=remedy)
+
+
+def _at(trace: Trace, at: FloatArray, plane: Plane) -> Place:
+    """Return a place at a trace, at the point (2,) of its plane."""
+    x, y, z = (at @ plane.axes[:2] + plane.height * plane.axes[2]).tolist()
+    return replace(trace.place, position=(x, y, z))
 
 
 def _regions(outlines: Sequence[Outline]) -> list[Region]:

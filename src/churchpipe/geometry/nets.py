@@ -7,7 +7,20 @@ import numpy as np
 import shapely
 from scipy.spatial import KDTree
 
-from churchpipe.geometry.places import BENT, SPREAD, Lines, doubtful, forth, gathered, scatter_of, together, turns
+from churchpipe.geometry.places import (
+    BENT,
+    SPREAD,
+    Lines,
+    doubtful,
+    ends_of,
+    forth,
+    gathered,
+    scatter_of,
+    together,
+    turns,
+    ways_of,
+    windows,
+)
 from churchpipe.geometry.planar import WITHIN, Region
 from churchpipe.model.arrays import FloatArray, IntArray
 
@@ -28,15 +41,30 @@ STRAIGHT = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
+class Left:
+    """An area that lines enclose and that is no stone.
+
+    line: the line that covers most of its longest side; at (2,): a point in its middle; length: of its longest side; width: twice
+    its area over its perimeter; narrow: is it between lines that nearly coincide? Else lines that cross beside no end enclose it.
+    """
+
+    line: int
+    at: FloatArray
+    length: float
+    width: float
+    narrow: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Net:
     """The areas that lines enclose, and the lines that enclose none.
 
     meshes: corners (n, 2) of each area, with the index of the line that covers most of its longest side. alone: indices of the
     lines that meet no other, or that close over a place where no area is. loose: indices of the lines with a free end. borders:
     indices of the closed outlines on which lines end. mended: of lines with an end that missed the next line, or ran past it: by
-    how much at most. doubtful: of lines with a side so short that others near it may have been meant to end at either end of
-    it: by how much these miss each other. crossed: of lines that cross others beside no end, and enclose what is too small for a
-    stone: how long its longest side is.
+    how much at most; mended_at (2,): and where. doubtful: of lines with a side so short that others near it may have been meant
+    to end at either end of it: by how much these miss each other. left: what lines enclose that is too small or too narrow for a
+    stone.
     """
 
     meshes: list[tuple[int, FloatArray]]
@@ -45,7 +73,8 @@ class Net:
     borders: list[int]
     mended: dict[int, float]
     doubtful: dict[int, float] = field(default_factory=dict[int, float])
-    crossed: dict[int, float] = field(default_factory=dict[int, float])
+    mended_at: dict[int, FloatArray] = field(default_factory=dict[int, "FloatArray"])
+    left: list[Left] = field(default_factory=list[Left])
 
 
 def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
@@ -70,26 +99,23 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
         lines = [_within(*one, slip) for one in zip(drawn_on, lines, meant, strict=True)]
         if not missed and moved <= STRAIGHT * median:
             break
-    by = {k: float(np.linalg.norm(a - b, axis=1).max()) for k, (a, b) in enumerate(zip(lines, meant, strict=True))}
-    mended = {k: most for k, most in by.items() if most > STRAIGHT * median}
-    drawn = [*map(shapely.LineString, lines), *map(shapely.LinearRing, outlines)]
-    ends = shapely.points(np.concatenate([line[[0, -1]] for line in lines]))
-    own = np.repeat(np.arange(count), 2)
-    # Drawn on as in `_meshed`: two ends that point at each other meet in the middle.
-    longer = [*(_lengthened(line, reach) for line in lines), *drawn[count:]]
-    end, other = shapely.STRtree(longer).query(ends, predicate="dwithin", distance=reach)
-    apart = own[end] != other
-    met = set(own[end[apart]].tolist()) | set(other[apart].tolist())
-    crossing = set(shapely.STRtree(drawn[:count]).query(drawn[:count], predicate="crosses").ravel().tolist()) - met
-    net = _meshed(lines, drawn, sorted(met | crossing), reach, slip)
+    by = [np.linalg.norm(a - b, axis=1) for a, b in zip(lines, meant, strict=True)]
+    mended = {k: float(away.max()) for k, away in enumerate(by) if away.max() > STRAIGHT * median}
+    drawn = np.array([*map(shapely.LineString, lines)], dtype=np.object_)
+    met = _met(lines, outlines, reach)
+    others = np.array([k for k in range(count) if k not in met], dtype=np.int64)
+    crosses = shapely.STRtree(drawn).query(drawn[others], predicate="crosses")[0]
+    crossing = set(others[crosses].tolist())
+    net = _meshed(lines, outlines, sorted(met | crossing), reach, slip)
     # A line that only crosses others, and goes on beyond them, is no side of a stone: an axis, or a dimension.
     beyond = crossing & set(net.loose)
     if beyond:
-        net = _meshed(lines, drawn, sorted((met | crossing) - beyond), reach, slip)
+        net = _meshed(lines, outlines, sorted((met | crossing) - beyond), reach, slip)
     unused = [k for k in range(count) if k in beyond or k not in met | crossing]
     short = {of_net[k]: by for k, by in doubtful([meant[k] for k in of_net], scatter, slip).items() if of_net[k] not in unused}
     told = {k: max(mended.get(k, 0.0), net.mended.get(k, 0.0)) for k in mended | net.mended}
-    return replace(net, alone=[*net.alone, *unused], mended=told, doubtful=short)
+    at = net.mended_at | {k: meant[k][np.argmax(by[k])] for k, most in mended.items() if most >= net.mended.get(k, 0.0)}
+    return replace(net, alone=[*net.alone, *unused], mended=told, mended_at=at, doubtful=short)
 
 
 def _within(line: FloatArray, before: FloatArray, meant: FloatArray, slip: float) -> FloatArray:
@@ -97,12 +123,29 @@ def _within(line: FloatArray, before: FloatArray, meant: FloatArray, slip: float
     return np.where(np.linalg.norm(line - meant, axis=1, keepdims=True) > slip, before, line)
 
 
+def _met(lines: Sequence[FloatArray], outlines: Sequence[FloatArray], reach: float) -> set[int]:
+    """Return the lines (n, 2) and outlines on which a line ends within the reach, and the lines that do."""
+    own = np.repeat(np.arange(len(lines)), 2)
+    # Many ends are at one place: it is looked at once.
+    places, of_end = np.unique(ends_of(lines), axis=0, return_inverse=True)
+    place, line = np.unique(np.stack([of_end.reshape(-1), own], axis=1), axis=0).T
+    several = np.bincount(place) > 1
+    # Drawn on, since two ends that point at each other meet in the middle.
+    longer = _lengthened(lines, outlines, reach)
+    at, other = shapely.STRtree(longer).query(shapely.points(places), predicate="dwithin", distance=reach)
+    first = line[np.searchsorted(place, np.arange(len(places)))]
+    apart = several[at] | (first[at] != other)
+    meeting = np.zeros(len(places), dtype=np.bool_)
+    meeting[at[apart]] = True
+    return set(line[meeting[place]].tolist()) | set(other[apart].tolist())
+
+
 def _open_outlines(lines: Sequence[FloatArray], outlines: Sequence[FloatArray], reach: float) -> list[int]:
     """Return the lines (n, 2) that turn sharply twice or more and meet no other: outlines that are not closed."""
+    bent = np.array([k for k, one in enumerate(lines) if (turns(one) > BENT).sum() > 1], dtype=np.int64)
     drawn = np.array([*map(shapely.LineString, lines), *map(shapely.LinearRing, outlines)], dtype=np.object_)
-    line, other = shapely.STRtree(drawn).query(drawn[: len(lines)], predicate="dwithin", distance=reach)
-    meeting = set(line[line != other].tolist())
-    return [k for k, one in enumerate(lines) if k not in meeting and (turns(one) > BENT).sum() > 1]
+    line, other = shapely.STRtree(drawn).query(drawn[bent], predicate="dwithin", distance=reach)
+    return np.setdiff1d(bent, bent[line[bent[line] != other]]).tolist()
 
 
 def _reaching(
@@ -111,7 +154,7 @@ def _reaching(
     """Return lines whose straight ends go on to the line that they miss by less than a slip, or to where another end would go
     on to; and by how much they missed it.
     """
-    drawn = [*(_lengthened(line, reach) for line in lines), *map(shapely.LinearRing, outlines)]
+    drawn = _lengthened(lines, outlines, reach)
     behind = _short(lines, outlines, reach, slip)
     short, along = list(behind), {(k, last): forth(lines[k], last) for k, last in behind}
     ahead = [shapely.LineString([lines[k][last], lines[k][last] + slip * along[k, last]]) for k, last in short]
@@ -119,7 +162,7 @@ def _reaching(
     targets = [*drawn, *ahead]
     tree = shapely.STRtree(targets)
     out, missed = [line.copy() for line in lines], dict[int, float]()
-    ends = KDTree(np.concatenate([line[[0, -1]] for line in lines]))
+    ends = KDTree(ends_of(lines))
     for (k, last), ray in zip(short, ahead, strict=True):
         end = shapely.Point(lines[k][last])
         # The third nearest is of another line where the line is so short that its own ends come first.
@@ -146,8 +189,7 @@ def _joined(
     lines: list[FloatArray], outlines: Sequence[FloatArray], missed: dict[int, float], reach: float, slip: float
 ) -> tuple[list[FloatArray], dict[int, float]]:
     """Return lines whose straight ends that still meet nothing, since they pass by the end of another line, are moved to it."""
-    ends = np.concatenate([line[[0, -1]] for line in lines])
-    ways = np.array([forth(line, end) for line in lines for end in (0, -1)])
+    ends, ways = ends_of(lines), ways_of(lines)
     tree = KDTree(ends, copy_data=True)
     for (k, last), past in _short(lines, outlines, reach, slip).items():
         # Of these some may have been moved by a slip already.
@@ -174,67 +216,76 @@ def _short(
     within a slip.
     """
     # Drawn on as in `_meshed`, so that an end is short exactly where it would meet nothing there.
-    drawn = np.array([*(_lengthened(line, reach) for line in lines), *map(shapely.LinearRing, outlines)], dtype=np.object_)
+    drawn = _lengthened(lines, outlines, reach)
     tree = shapely.STRtree(drawn)
     ends = [(k, last) for k, line in enumerate(lines) if len(line) == 2 for last in (0, 1)]
     own = np.array([k for k, _ in ends], dtype=np.int64)
-    at = np.reshape([lines[k][last] for k, last in ends], (-1, 2))
-    along = np.reshape([forth(lines[k], last) for k, last in ends], (-1, 2))
+    which = np.array([2 * k + last for k, last in ends], dtype=np.int64)
+    at, along = ends_of(lines)[which], ways_of(lines)[which]
 
-    def met(chosen: IntArray, back: float) -> tuple[IntArray, IntArray, Lines]:
-        """Return which ends meet which other lines from so far back, and its tail."""
-        rays = np.stack([at[chosen] - back * along[chosen], at[chosen] + reach * along[chosen]], axis=1)
+    def met(chosen: IntArray, back: float, ahead: float) -> tuple[IntArray, IntArray, Lines]:
+        """Return which ends meet which other lines from so far back to so far ahead, and its tail."""
+        rays = np.stack([at[chosen] - back * along[chosen], at[chosen] + ahead * along[chosen]], axis=1)
         tails: Lines = np.asarray(shapely.linestrings(rays), dtype=np.object_)
         end, other = tree.query(tails, predicate="intersects")
         apart = other != own[chosen[end]]
         return chosen[end[apart]], other[apart], tails[end[apart]]
 
     # Most ends meet the end of a line exactly, or a line where they are, and many others where many meet.
-    loose = np.flatnonzero(~together(at, own))
-    short = np.setdiff1d(loose, met(loose, reach)[0])
-    end, other, tail = met(short, slip)
+    short = np.flatnonzero(~together(at, own))
+    for near in windows(reach):
+        short = np.setdiff1d(short, met(short, near, near)[0])
+    end, other, tail = met(short, slip, reach)
     past = np.full(len(ends), np.inf)
     np.minimum.at(past, end, shapely.distance(shapely.points(at[end]), shapely.intersection(tail, drawn[other])))
     return {ends[n]: float(past[n]) for n in short.tolist()}
 
 
-def _meshed(
-    lines: Sequence[FloatArray], drawn: Sequence[shapely.LineString], chosen: list[int], reach: float, slip: float
-) -> Net:
+def _meshed(lines: Sequence[FloatArray], outlines: Sequence[FloatArray], chosen: list[int], reach: float, slip: float) -> Net:
     """Return the net of the chosen lines and outlines alone."""
     if not chosen:
         return Net([], [], [], [], {})
     count = len(lines)
-    sources = [_lengthened(lines[k], reach) if k < count else drawn[k] for k in chosen]
+    within = [k for k in chosen if k < count]
+    sources = _drawn_on([lines[k] for k in within], [outlines[k - count] for k in chosen if k >= count], reach)
     tree = shapely.STRtree(sources)
     found, _, dangles, _ = shapely.polygonize_full(shapely.get_parts(shapely.union_all(sources)))
     meshes: list[tuple[int, FloatArray]] = []
     mended: dict[int, float] = {}
-    crossed: dict[int, float] = {}
-    ends = shapely.MultiPoint(np.concatenate([lines[k][[0, -1]] for k in chosen if k < count] or [np.zeros((0, 2))]))
+    mended_at: dict[int, FloatArray] = {}
+    left: list[Left] = []
+    ends = shapely.MultiPoint(ends_of([lines[k] for k in within]))
+    shapely.prepare(ends)
     for mesh in shapely.get_parts(found):
-        # The sliver between two lines that were meant to be one is no stone.
-        if mesh.area <= reach * mesh.length:
-            continue
         corners = shapely.get_coordinates(mesh.exterior)[:-1]
         side = np.roll(corners, -1, axis=0) - corners
-        longest = int(np.argmax(np.linalg.norm(side, axis=1)))
+        length = np.linalg.norm(side, axis=1)
+        longest = int(np.argmax(length))
         nearest = chosen[int(tree.nearest(shapely.Point(corners[longest] + 0.5 * side[longest])))]
-        if mesh.length > slip:
+        # A film between two lines that were meant to be one is no stone; a wedge that opens is.
+        narrow = mesh.area <= reach * mesh.length and mesh.buffer(-reach).is_empty
+        if mesh.length > slip and not narrow:
             meshes.append((nearest, corners))
+        elif narrow or not shapely.dwithin(mesh, ends, slip):
+            width = 2 * mesh.area / mesh.length
+            # Less than that is a matter of rounding.
+            if width > STRAIGHT * length[longest]:
+                left.append(Left(nearest, shapely.get_coordinates(mesh.centroid)[0], float(length[longest]), width, narrow))
         else:
-            # Neither is what lines enclose that were meant to meet in one place: with their ends, or where they cross.
-            told = mended if mesh.distance(ends) <= slip else crossed
-            told[nearest] = float(np.linalg.norm(side[longest]))
-    cells = shapely.union_all([shapely.Polygon(corners) for _, corners in meshes])
+            # Nor is what lines enclose whose ends were meant to meet in one place.
+            mended[nearest], mended_at[nearest] = float(length[longest]), shapely.get_coordinates(mesh.centroid)[0]
+    cells = np.array([shapely.Polygon(corners) for _, corners in meshes], dtype=np.object_)
+    cell_tree = shapely.STRtree(cells)
     alone: list[int] = []
     for k in chosen:
         # Drawn along its neighbours, an outline that lacks its last side is hidden by theirs: it closes over an empty place. So
         # does an arch over its opening, but it has no corners.
         if k < count and len(lines[k]) > 3 and turns(lines[k]).max() > BENT:
             own = shapely.Polygon(lines[k])
-            if own.is_valid and own.area > reach * own.length and own.intersection(cells).area < HIDDEN * own.area:
-                alone.append(k)
+            if own.is_valid and own.area > reach * own.length:
+                hidden = shapely.area(shapely.intersection(cells[cell_tree.query(own)], own)).sum()
+                if hidden < HIDDEN * own.area:
+                    alone.append(k)
     loose: set[int] = set()
     for part in shapely.get_parts(dangles):
         k = chosen[int(tree.nearest(shapely.line_interpolate_point(part, 0.5, normalized=True)))]
@@ -242,9 +293,38 @@ def _meshed(
             continue
         if part.length > slip + reach:
             loose.add(k)
-        else:
-            mended[k] = max(part.length - reach, mended.get(k, 0.0))
-    return Net(meshes, alone, sorted(loose - set(alone)), [k for k in chosen if k >= count], mended, crossed=crossed)
+        elif part.length - reach > mended.get(k, 0.0):
+            mended[k], mended_at[k] = part.length - reach, shapely.get_coordinates(part)[-1]
+    return Net(
+        meshes, alone, sorted(loose - set(alone)), [k for k in chosen if k >= count], mended, mended_at=mended_at, left=left
+    )
+
+
+def _drawn_on(lines: Sequence[FloatArray], outlines: Sequence[FloatArray], reach: float) -> Lines:
+    """Return lines (n, 2) drawn on at their ends so that they cross what they were meant to end on; then the outlines.
+
+    Of the ends that are exactly at one place only one is drawn on towards each line that passes there: they meet already, and of
+    very many each would cross all others.
+    """
+    at, way = ends_of(lines), ways_of(lines)
+    own = np.repeat(np.arange(len(lines)), 2)
+    on = (~together(at, own)).astype(np.int64)
+    places, of_end = np.unique(at, axis=0, return_inverse=True)
+    of_place = np.split(np.argsort(of_end.reshape(-1), kind="stable"), np.cumsum(np.bincount(of_end.reshape(-1)))[:-1])
+    # What may be met is drawn on too: an end beside the place by no more than rounding reaches beyond it.
+    longer = _lengthened(lines, outlines, reach)
+    place, other = shapely.STRtree(longer).query(shapely.points(places), predicate="dwithin", distance=reach)
+    for n, k in zip(place.tolist(), other.tolist(), strict=True):
+        ends = of_place[n]
+        if len(ends) > 1 and k not in own[ends]:
+            ahead = shapely.linestrings(np.stack([at[ends], at[ends] + reach * way[ends]], axis=1))
+            crossing = shapely.intersection(ahead, longer[k])
+            away = np.where(shapely.is_empty(crossing), np.inf, shapely.distance(shapely.points(at[ends]), crossing))
+            on[ends[np.argmin(away)]] |= int(np.isfinite(away).any())
+    # The place itself stays a corner, at which the others end.
+    ahead = (at + reach * way)[:, None]
+    drawn = [[*ahead[2 * k][: on[2 * k]], *line, *ahead[2 * k + 1][: on[2 * k + 1]]] for k, line in enumerate(lines)]
+    return np.array([*map(shapely.LineString, drawn), *map(shapely.LinearRing, outlines)], dtype=np.object_)
 
 
 def without_idle_corners(corners: FloatArray) -> FloatArray:
@@ -304,9 +384,12 @@ def farthest(line: FloatArray, other: FloatArray) -> float:
     return float(shapely.hausdorff_distance(shapely.LineString(line), shapely.LineString(other)))
 
 
-def _lengthened(points: FloatArray, reach: float) -> shapely.LineString:
-    """Return a line drawn on at both ends, so that it crosses what it was meant to end on."""
-    out = points.copy()
-    for end in (0, -1):
-        out[end] += reach * forth(points, end)
-    return shapely.LineString(out)
+def _lengthened(lines: Sequence[FloatArray], outlines: Sequence[FloatArray], reach: float) -> Lines:
+    """Return lines drawn on at both ends, so that they cross what they were meant to end on; then closed outlines."""
+    count = np.array([len(line) for line in lines], dtype=np.int64)
+    last, way = np.cumsum(count) - 1, reach * ways_of(lines)
+    corners = np.concatenate([*lines, np.zeros((0, 2))])
+    corners[last - count + 1] += way[::2]
+    corners[last] += way[1::2]
+    longer = np.asarray(shapely.linestrings(corners, indices=np.repeat(np.arange(len(lines)), count)), dtype=np.object_)
+    return np.concatenate([longer, np.array([*map(shapely.LinearRing, outlines)], dtype=np.object_)])

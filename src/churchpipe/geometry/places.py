@@ -21,6 +21,8 @@ USUAL = 0.95
 BENT = np.radians(30.0)
 # What an end meets is looked for within this power of a sixteenth of the reach first, then within the next one, up to the reach.
 WINDOWS = 2
+# Pairs of ends looked at together.
+PAIRS = 4096
 # Weight of the middle of the ends of a place against that of the lines that end there.
 WEAK = 1e-3
 
@@ -43,12 +45,16 @@ def scatter_of(
     """
     if not lines:
         return Scatter(np.zeros(0), reach)
-    ends = _points(np.concatenate([line[[0, -1]] for line in lines]))
-    drawn = _drawn(lines, outlines)
-    end, other = shapely.STRtree(drawn).query(ends, predicate="dwithin", distance=slip)
-    end, other = end[end // 2 != other], other[end // 2 != other]
-    miss = np.full(len(ends), np.inf)
-    np.minimum.at(miss, end, shapely.distance(ends[end], drawn[other]))
+    at, own = ends_of(lines), np.repeat(np.arange(len(lines)), 2)
+    ends, drawn = _points(at), _drawn(lines, outlines)
+    tree, miss = shapely.STRtree(drawn), np.where(together(at, own), 0.0, np.inf)
+    # Only the nearest counts, and where many ends are of one place each of them is near all others.
+    for near in (*windows(reach), slip):
+        loose = np.flatnonzero(np.isinf(miss))
+        end, other = tree.query(ends[loose], predicate="dwithin", distance=near)
+        apart = own[loose[end]] != other
+        end, other = loose[end[apart]], other[apart]
+        np.minimum.at(miss, end, shapely.distance(ends[end], drawn[other]))
     all_ = _members(mended, outlines, reach, slip)
     # Of ends alone: corners of one outline may be as near each other as its chords are short.
     met, most = all_.met[all_.ways.any(axis=1)], min(max(reach, SPREAD * _usual(miss)), slip)
@@ -85,8 +91,7 @@ def gathered(
 def doubtful(lines: Sequence[FloatArray], scatter: Scatter, slip: float) -> dict[int, float]:
     """Return the lines (n, 2) with a side so short that lines near it, which miss each other, may have been meant to meet at
     either end of it; and by how much those miss each other."""
-    ends = np.array([line[end] for line in lines for end in (0, -1)]).reshape(-1, 2)
-    tree = KDTree(ends)
+    tree = KDTree(ends_of(lines))
     out: dict[int, float] = {}
     for k, line in enumerate(lines):
         marks = _corners(line)
@@ -104,6 +109,22 @@ def forth(line: FloatArray, end: int) -> FloatArray:
     """Return the direction (2,) in which a line (n, 2) goes on at its first (0) or its last end (-1, or 1 of two points)."""
     side = line[0] - line[1] if end == 0 else line[-1] - line[-2]
     return side / np.linalg.norm(side)
+
+
+def ends_of(lines: Sequence[FloatArray]) -> FloatArray:
+    """Return the first and the last point of each line (n, 2) in turn (2 lines, 2)."""
+    return np.concatenate([np.zeros((0, 2)), *(line[[0, -1]] for line in lines)])
+
+
+def ways_of(lines: Sequence[FloatArray]) -> FloatArray:
+    """Return the directions in which lines (n, 2) go on at their first and last ends in turn (2 lines, 2)."""
+    side = ends_of(lines) - np.concatenate([np.zeros((0, 2)), *(line[[1, -2]] for line in lines)])
+    return side / np.linalg.norm(side, axis=1, keepdims=True)
+
+
+def windows(reach: float) -> list[float]:
+    """Return how far from an end what it meets is looked for, in turn, up to the reach: where many meet, most need no more."""
+    return [reach * 16.0**-power for power in range(WINDOWS, -1, -1)]
 
 
 def together(ends: FloatArray, own: IntArray) -> BoolArray:
@@ -181,7 +202,7 @@ def _meetings(at: FloatArray, ways: FloatArray, own: IntArray, drawn: Lines, rea
     # Most ends of a drawing that was made with a snap meet others exactly: they are where their places are.
     loose = np.flatnonzero(~together(at, own))
     # Only the nearest counts, and where many ends are of one place each of them meets all others.
-    for near in (*(reach * 16.0**-power for power in range(WINDOWS, -1, -1)), slip):
+    for near in (*windows(reach), slip):
         tails: Lines = np.asarray(
             shapely.linestrings(np.stack([at - np.minimum(near, back) * ways, at + min(near, reach) * ways], axis=1)[loose])
         )
@@ -209,15 +230,17 @@ def _grouped(all_: _Members, lines: Sequence[FloatArray], spread: float) -> list
     pairs = member_of[pairs[np.argsort(apart, kind="stable")]]
     group = {member: [member] for member in np.unique(pairs).tolist()}
     sides = {member: _sides(int(all_.own[member]), int(all_.place[member]), lines) for member in group}
-    head = {member: member for member in group}
-    for first, second in pairs.tolist():
-        a, b = head[first], head[second]
-        if a == b or not sides[a].isdisjoint(sides[b]):
-            continue
-        a, b = (a, b) if len(group[a]) >= len(group[b]) else (b, a)
-        group[a] += group[b]
-        sides[a] |= sides.pop(b)
-        head |= dict.fromkeys(group.pop(b), a)
+    head = np.arange(len(all_.at))
+    # Of very many members of one place most pairs are together before their turn comes.
+    for part in np.array_split(pairs, len(pairs) // PAIRS + 1):
+        for first, second in part[head[part[:, 0]] != head[part[:, 1]]].tolist():
+            a, b = int(head[first]), int(head[second])
+            if a == b or not sides[a].isdisjoint(sides[b]):
+                continue
+            a, b = (a, b) if len(group[a]) >= len(group[b]) else (b, a)
+            group[a] += group[b]
+            sides[a] |= sides.pop(b)
+            head[group.pop(b)] = a
     return [np.array(sorted(members)) for members in group.values() if len(members) > 1]
 
 
@@ -254,7 +277,7 @@ def _on_lines_through(
 ) -> FloatArray:
     """Return the points (n, 2) of places put onto lines that run through them, which stay straight."""
     drawn = _drawn(lines, outlines)
-    ends = KDTree(np.concatenate([line[[0, -1]] for line in lines]))
+    ends = KDTree(ends_of(lines))
     through: dict[int, list[int]] = {}
     there, near = shapely.STRtree(drawn).query(shapely.points(points), predicate="dwithin", distance=spread)
     order = np.argsort(there, kind="stable")

@@ -328,6 +328,31 @@ def test_a_net_of_lines_makes_a_stone_of_each_mesh(tmp_path: Path) -> None:
     assert stones.volume[~stones.fixed].sum() == pytest.approx(1.0 * 0.195 * 0.12, rel=1e-9)
 
 
+@pytest.mark.parametrize("upright", [False, True])
+def test_what_lines_enclose_that_is_no_stone_is_told_where_it_is(upright: bool, tmp_path: Path) -> None:
+    # Three lines across a frame of 4 m x 3 m pass .1 m from one point; a fourth line nearly coincides with the right side.
+    frame = [[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(4, 3), (0, 3)], [(0, 3), (0, 0)]]
+    across = [[(0, 0.5), (4, 2.5)], [(0, 2.5), (4, 0.5)], [(2.1, 0), (2.1, 3)], [(3.994, 0), (4, 3)]]
+
+    def draw(space: Any) -> None:
+        for ends in [*frame, *across]:
+            # Upright, the frame is in the plane y = 7 m, with z up.
+            out = {"extrusion": (0, -1, 0) if upright else (0, 0, 1)}
+            space.add_line(*([(x, 7, y) if upright else (x, y, 0) for x, y in ends]), dxfattribs=out)
+
+    path = drawn(tmp_path / "net.dxf", draw, unit=6, ground=False)
+    told = [finding for finding in read(path, support="base").findings if finding.code == "W25"]
+    (small,) = (finding for finding in told if "crosses others" in finding.found)
+    # The diagonals cut the film into three.
+    films = [finding for finding in told if "taken for one" in finding.found]
+    assert len(told) == 1 + len(films) == 4
+    place = (2.0667, 7.0, 1.5) if upright else (2.0667, 1.5, 0.0)
+    assert small.position == pytest.approx(place, abs=1e-4)
+    np.testing.assert_allclose(small.lengths, [0.1118, 0.0309], atol=1e-4)
+    assert sum(film.lengths[0] for film in films) == pytest.approx(3.0, abs=1e-2)
+    assert all(film.position is not None and 3.994 < film.position[0] < 4 for film in films)
+
+
 def test_curved_sides_are_chords_and_told(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         space.add_lwpolyline([(0, 0, 0.05), (250, 0, 0), (250, 65, 0), (0, 65, 0)], format="xyb", close=True)
