@@ -20,7 +20,7 @@ from churchpipe.loading.ties import place_ties
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import LineLoad
-from churchpipe.model.quantities import declared, in_si, si, written
+from churchpipe.model.quantities import Declared, Quantity, declared, in_range, in_si, si, unit_of, written
 from churchpipe.model.tie_bars import AnchorPlace, TieBar
 
 _KINDS: Mapping[str, type[TieBar] | type[LineLoad]] = {schema.TIES: TieBar, schema.LOADS: LineLoad}
@@ -108,7 +108,10 @@ def _record(kind: type[TieBar] | type[LineLoad], one: Drawn, metre: float) -> Ti
         if item is None:
             raise ValueError(f"unknown attribute {tag}")
         if text:
-            given[item.name] = si(item.key, text if tag in _TEXTS else _number(tag, text))
+            value = text if tag in _TEXTS else _number(tag, text)
+            given[item.name] = si(item.key, value)
+            if item.quantity and item.name not in _ENDS:
+                _check_range(kind, item, tag, text, value)
     ends = None if one.ends is None else [tuple((metre * end).tolist()) for end in one.ends]
     if kind is TieBar:
         for name, end in zip(("start", "end"), ends or (None, None), strict=True):
@@ -118,6 +121,18 @@ def _record(kind: type[TieBar] | type[LineLoad], one: Drawn, metre: float) -> Ti
     if any(given.get(name, 0) is None for name in _ENDS):
         raise ValueError("no line in the block")
     return kind(**given)
+
+
+def _check_range(kind: type, item: Declared, tag: str, text: str, value: Any) -> None:
+    """Raise an InputError that says in the unit of an attribute what it may be, since its record knows SI alone."""
+    for part in () if value is None else value if isinstance(value, list) else [value]:
+        try:
+            in_range(kind, item.name, tag, si(item.key, part))
+        except InputError as error:
+            quantity = item.quantity or Quantity()
+            limits = [(">" if quantity.above else ">=", quantity.low), ("<" if quantity.below else "<=", quantity.high)]
+            said = " and ".join(f"{sign} {limit:g} {unit_of(item.key).name}" for sign, limit in limits if limit is not None)
+            raise InputError(f"attribute {tag} = {text[:80]!r}", error.problem, expected=said.strip()) from error
 
 
 def _number(tag: str, text: str) -> Any:

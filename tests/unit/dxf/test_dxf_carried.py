@@ -91,7 +91,8 @@ def test_a_line_turns_with_its_insert_and_its_direction_does_not(tmp_path: Path)
     ("layer", "tag", "text", "said"),
     [
         ("CP-TIES", "AREA_MM2", "four", "attribute AREA_MM2 = 'four' is no number"),
-        ("CP-TIES", "AREA_MM2", "-4", "out of range"),
+        ("CP-TIES", "AREA_MM2", "-4", "attribute AREA_MM2 = '-4': out of range; expected > 0 mm2"),
+        ("CP-TIES", "PLATE_MM", "[300, 0]", "attribute PLATE_MM = '[300, 0]': out of range; expected > 0 mm"),
         ("CP-TIES", "START", '{"wall": "west"}', "no place"),
         ("CP-LOADS", "DEAD_KN_M", "Infinity", "attribute DEAD_KN_M = 'Infinity' is no number"),
         ("CP-LOADS", "TOWARD", "[0, 0, 0]", "toward"),
