@@ -23,7 +23,7 @@ from churchpipe.dxf.schema import CORNER_TOLERANCE, LARGEST_COORDINATE
 from churchpipe.geometry.mending import NEARLY, REPAIRS, mend, signed_volumes
 from churchpipe.geometry.parts import parts_of
 from churchpipe.model.arrays import FloatArray, IntArray
-from churchpipe.model.surfaces import edges, without_repeats
+from churchpipe.model.surfaces import DOUBLED, edges, without_repeats
 
 Faces = tuple[tuple[int, ...], ...]
 
@@ -125,7 +125,9 @@ def make_body(points: FloatArray, faces: Iterable[Sequence[int]]) -> Body:
     mended = mend(points, faces, repair=False)
     if mended.fault:
         spot = _place(points[mended.fault.vertex]) if faces else None
-        return Body(points, faces, f"{mended.fault.problem}: {mended.fault.found}", spot)
+        # Faces have no numbers that the drawing would show.
+        what = "" if mended.fault.problem == DOUBLED else f": {mended.fault.found}"
+        return Body(points, faces, mended.fault.problem + what, spot)
     if mended.volume < 1e-12 * np.linalg.norm(np.ptp(points, axis=0)) ** 3:
         return Body(points, faces, "it has no volume", _place(points.mean(axis=0)))
     return Body(mended.points, tuple(mended.faces), warp=mended.warp)

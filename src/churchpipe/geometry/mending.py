@@ -22,10 +22,11 @@ SPLIT: Final = "warped faces were split into triangles"
 # Changes of the shape. They are made on request only.
 DROPPED: Final = "faces given more than once were dropped"
 INSIDE: Final = "faces given more than once inside the body were dropped, so that what they parted is one stone"
+BARE: Final = "faces that bound nothing were dropped"
 CLOSE: Final = "vertices that nearly met were joined"
 JOINED: Final = "corners on an edge of a neighbour were put into it"
 FILLED: Final = "holes of one face were closed"
-REPAIRS: Final = (DROPPED, INSIDE, CLOSE, JOINED, FILLED)
+REPAIRS: Final = (DROPPED, INSIDE, CLOSE, BARE, JOINED, FILLED)
 
 # Vertices closer than this share of the body's size nearly meet.
 NEARLY = 1e-5
@@ -56,9 +57,9 @@ class Mended:
 def mend(points: FloatArray, faces: Iterable[Sequence[int]], *, repair: bool) -> Mended:
     """Mend one body: points (n, 3), finite; faces of three vertices or more, indices below n.
 
-    repair: drop faces given more than once, join vertices that nearly meet, put corners into edges that they lie on, close holes
-    of one face. Welding, turning and splitting leave the shape as it is and are done in any case. A body that needs nothing is
-    returned as it is.
+    repair: drop faces given more than once, and flat ones with free edges on a closed body; join vertices that nearly meet, put
+    corners into edges that they lie on, close holes of one face. Welding, turning and splitting leave the shape as it is and are
+    done in any case. A body that needs nothing is returned as it is, and so is one that cannot be mended, with its own fault.
     """
     given = [tuple(face) for face in faces]
     before = signed_volume(points, given)
@@ -70,6 +71,7 @@ def mend(points: FloatArray, faces: Iterable[Sequence[int]], *, repair: bool) ->
         return Mended(points, shell, dict(+changes), before, after, worst)
     corners, shell = _welded(points, given, changes)
     shell = _outward(corners, shell, changes)
+    own = corners, shell
     if surface_fault(shell) and repair:
         corners, shell = _repaired(corners, shell, changes)
         shell = _outward(corners, shell, changes)
@@ -77,6 +79,10 @@ def mend(points: FloatArray, faces: Iterable[Sequence[int]], *, repair: bool) ->
     if fault is None and _sheet(corners, shell, before):
         fault = SHEET
     if fault:
+        if repair and own[1]:
+            # Faces that the repair added or dropped are not those of whoever reads the fault.
+            corners, shell = own
+            fault = surface_fault(shell) or fault
         mendable = not repair and mend(points, given, repair=True).fault is None
         return Mended(corners, shell, {}, before, before, fault=fault, mendable=mendable)
     shell, changes[SPLIT], worst = split_warped(corners, shell)
@@ -193,6 +199,8 @@ def _repaired(points: FloatArray, faces: list[Face], changes: Counter[str]) -> t
         points, faces = _joined(points, faces, NEARLY * size, changes)
         faces = _once(faces, changes)
     if surface_fault(_alike(faces)):
+        points, faces = _without_fins(points, faces, changes)
+    if surface_fault(_alike(faces)):
         faces = _with_edge_corners(points, faces, NEARLY * size, changes)
     if surface_fault(_alike(faces)):
         faces = _filled(points, _alike(faces), NEARLY * size, changes)
@@ -230,6 +238,27 @@ def _joined(points: FloatArray, faces: list[Face], reach: float, changes: Counte
     _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
     changes[CLOSE] += len(points) - len(first)
     return points[first], without_repeats([int(inverse[node]) for node in face] for face in faces)
+
+
+def _without_fins(points: FloatArray, faces: list[Face], changes: Counter[str]) -> tuple[FloatArray, list[Face]]:
+    """Drop flat fins, which hang with a free edge on a body that is closed without them."""
+    uses = {edge: len(sharing) for edge, sharing in _users(faces).items()}
+    kept, fins = list(faces), list[Face]()
+    while free := [face for face in kept if any(uses[min(edge), max(edge)] == 1 for edge in edges(face))]:
+        fins += free
+        kept = [face for face in kept if face not in free]
+        uses = {edge: len(sharing) for edge, sharing in _users(kept).items()}
+    if not fins or not kept or surface_fault(_alike(kept)):
+        return points, faces
+    # A stone that lost a face comes apart as well; it is no fin.
+    beside = [(a, b) for sharing in _users(fins).values() for a in sharing for b in sharing if a < b]
+    label = components(len(fins), np.array(beside, dtype=np.int64).reshape(-1, 2))
+    if not all(flat(points, [fins[k] for k in np.flatnonzero(label == one)]) for one in np.unique(label)):
+        return points, faces
+    changes[BARE] += len(fins)
+    used = np.unique(np.concatenate(kept))
+    number = dict(zip(used.tolist(), range(len(used)), strict=True))
+    return points[used], [tuple(number[node] for node in face) for face in kept]
 
 
 def _with_edge_corners(points: FloatArray, faces: list[Face], reach: float, changes: Counter[str]) -> list[Face]:

@@ -14,7 +14,7 @@ from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding, Place
 from churchpipe.geometry.degenerate import degenerate
 from churchpipe.geometry.manifolds import manifold, polyhedron
-from churchpipe.geometry.mending import REPAIRS, SPLIT, WELDED, Mended, flat, mend
+from churchpipe.geometry.mending import BARE, REPAIRS, SPLIT, WELDED, Mended, flat, mend
 from churchpipe.geometry.parts import parts_of
 from churchpipe.meshes.source import GROUND, Body, Face, Source, left_out
 from churchpipe.model.arrays import FloatArray
@@ -126,6 +126,12 @@ def to_stones(
                 if not fixed:
                     continue
                 shell = mend(*_plate(points), repair=False)
+            elif shell.fault and len(item.parts) > 1 and not thickness and flat(points, faces):
+                # A face that hangs on a stone, or lies loose in it.
+                if repair:
+                    findings.append(_place(body, points).finding("W41", f"{BARE} ({len(faces)})"))
+                    continue
+                shell = replace(shell, mendable=True)
             findings += _findings_of(shell, body)
             shells += [] if shell.fault else [(shell, material)]
         if body.whole and len(shells) > 1:
@@ -178,7 +184,9 @@ def _findings_of(mended: Mended, body: Body) -> list[Finding]:
             return [_place(body, hole[:1]).finding("E10", found, expected="two faces at each edge of each stone", remedy=remedy)]
         remedy = "Pass --repair to mend it." if mended.mendable else "Close it in the program that made it."
         remedy += APART if mended.fault.problem in (DOUBLED, CROWDED) else ""
-        found = f"the body is no solid: {mended.fault.problem}, {mended.fault.found}"
+        # Faces have no numbers that the file would show: their place tells them.
+        what = "two faces have the same corners" if mended.fault.problem == DOUBLED else mended.fault.found
+        found = f"the body is no solid: {mended.fault.problem}, {what}"
         return [place.finding("E10", found, expected=mended.fault.expected, remedy=remedy)]
     out: list[Finding] = []
     for what, count in mended.changes.items():

@@ -80,12 +80,29 @@ HARMLESS: dict[str, tuple[FloatArray, Faces, set[str], str]] = {
     "closed by welding": (*soup(HIGH, BOX_FACES), {"W40"}, "vertices at one place were welded (16)"),
     "warped": (*warped(), {"W10"}, "1 face is warped, by"),
 }
+# From the edge of the bottom at the origin through the stone, and three points of a fin that ends within it.
+DIAGONAL = [k for at in ((0, 0, 0.5), (0, 0, 1), (1, 1, 1), (1, 1, 0.5)) for k in range(8) if (HIGH[k] == at).all()]
+HANGING = np.vstack([HIGH, [0.5, 0.5, 0.9], [0.5, 0.5, 0.7], [0.4, 0.3, 0.7]])
 MENDED: dict[str, tuple[FloatArray, Faces, str]] = {
     "every face twice": (HIGH, BOX_FACES * 2, "faces given more than once were dropped (6); volume 1 m3 before, 0.5 m3 after"),
     "both sides": (HIGH, [*BOX_FACES, *(face[::-1] for face in BOX_FACES)], "faces given more than once were dropped (6)"),
     "nearly meeting": (*noisy_soup(), "vertices that nearly met were joined (16)"),
     "corner on an edge": (*edge_corner(), "corners on an edge of a neighbour were put into it (1)"),
     "hole of one face": (HIGH, BOX_FACES[:-1], "holes of one face were closed (1)"),
+    "a fin across it": (HIGH, [*BOX_FACES, DIAGONAL], "faces that bound nothing were dropped (1)"),
+    "a fin across it that comes first": (HIGH, [DIAGONAL, *BOX_FACES], "faces that bound nothing were dropped (1)"),
+    "a fin of two triangles": (
+        HIGH,
+        [DIAGONAL[:3], *BOX_FACES, [DIAGONAL[k] for k in (0, 2, 3)]],
+        "that bound nothing were dropped (2)",
+    ),
+    "a fin that hangs from an edge": (
+        HANGING[:10],
+        [*BOX_FACES, [*DIAGONAL[:2], 8, 9]],
+        "faces that bound nothing were dropped (1)",
+    ),
+    "a loose face within": (HANGING, [*BOX_FACES, [8, 9, 10]], "faces that bound nothing were dropped (1)"),
+    "a face of its surface twice": (HIGH, [*BOX_FACES, BOX_FACES[1]], "dropped (1)"),
 }
 
 
@@ -126,6 +143,23 @@ def test_a_stone_that_stays_open_is_named_with_its_place(tmp_path: Path) -> None
         assert 'obj/E10 tower.obj: object "high" at' in text
         assert "its faces do not close a solid, an open edge: expected every edge shared by two faces." in text
         assert "Close it in the program that made it." in text
+
+
+@pytest.mark.parametrize("repair", [False, True])
+def test_what_cannot_be_mended_is_told_of_the_body_as_it_is_in_the_file(repair: bool, tmp_path: Path) -> None:
+    # A fin of two planes; closed by a repair its faces would lie on each other.
+    bent = [*BOX_FACES, [*DIAGONAL[:2], 8, 9], [8, 9, 10]]
+    with pytest.raises(FindingsError) as raised:
+        cp.read_stones(tower(tmp_path / "tower.obj", HANGING, bent), repair=repair)
+    (error,) = raised.value.findings.errors
+    assert "has the corners of" not in error.found
+    assert "an open edge" in error.found
+
+
+def test_two_faces_with_the_same_corners_are_named_by_their_place(tmp_path: Path) -> None:
+    path = tower(tmp_path / "tower.obj", HIGH, BOX_FACES * 2)
+    with pytest.raises(FindingsError, match="a face lies on another, two faces have the same corners"):
+        cp.read_stones(path)
 
 
 def test_joints_and_ground_of_one_face_are_left_out_or_thickened(tmp_path: Path) -> None:
