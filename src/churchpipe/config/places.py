@@ -94,7 +94,8 @@ def located(
         place += f" with [sweep] {', '.join(f'{name} = {value}' for name, value in swept.items())}"
     if variant and not in_itself:
         place += f', variant "{variant.name}"' if own else f" with {_heading(path, overrides, variant)}"
-    where = f"{path}: {place}, {key if in_words else '.'.join([*written, *missing])}"
+    # What words are about may be made of several keys: the table that they lead to stands before them.
+    where = f"{path}: {place}, {'.'.join([*written, *([] if in_words else missing)])}" + (f": {key}" if in_words else "")
     if error.problem != WRONG or missing:
         return error.at(where) if missing or in_words else _as_written(error, written, value).at(where)
     # Lengths were converted on the way to their check.
@@ -128,11 +129,16 @@ def _heading(path: Path, overrides: Sequence[str], variant: Variant) -> str:
 
 
 def _table_of(words: str, table: Mapping[str, Any]) -> list[str]:
-    """Return the keys that lead to the opening, or else the wall, that words about a building name; to its source if to none."""
+    """Return the keys that lead to the opening, or else the junction or the wall, that words about a building name; to its
+    source if to none."""
     source = table.get("source", {})
     for number, opening in enumerate(source.get("openings", [])):
         if re.search(rf"(^|: )openings?\b.*\s{re.escape(str(opening.get('name')))}\b", words):
             return ["source", "openings", str(number)]
+    for number, junction in enumerate(source.get("junctions", [])):
+        both = re.escape(" and ".join(map(str, junction.get("walls", ()))))
+        if re.match(rf"junction of {both}(?![\w-])", words):
+            return ["source", "junctions", str(number)]
     for number, wall in enumerate(source.get("walls", [])):
         if "name" in wall and re.match(rf"(walls?|junction of) {re.escape(str(wall['name']))}(?![\w-])", words):
             return ["source", "walls", str(number)]

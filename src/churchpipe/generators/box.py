@@ -77,11 +77,11 @@ def box(*, name: str = "box", materials: tuple[UnitWeight, ...] = (DEFAULT_MATER
         cut_offset=p.cut_offset,
     )
     walls = [
-        straight_wall(side, masonry, (0.0, y), "x", p.length, runs_through=0, openings=p.openings_x, where="box.openings_x")
+        straight_wall(side, masonry, (0.0, y), "x", p.length, runs_through=0, openings=p.openings_x, where="box.openings_x.{}")
         for side, y in (("south", 0.0), ("north", p.width - thickness))
     ]
     walls += [
-        straight_wall(side, masonry, (x, 0.0), "y", p.width, runs_through=1, openings=p.openings_y, where="box.openings_y")
+        straight_wall(side, masonry, (x, 0.0), "y", p.width, runs_through=1, openings=p.openings_y, where="box.openings_y.{}")
         for side, x in (("west", 0.0), ("east", p.length - thickness))
     ]
     return Building(name, tuple(walls), materials)

@@ -46,14 +46,15 @@ def straight_wall(
     *,
     runs_through: Literal[0, 1] = 0,
     openings: Iterable[OpeningLike] = (),
-    where: str = "openings",
+    where: str = "openings.{}",
 ) -> Panel:
     """Return a wall from z = 0 whose plan is a rectangle.
 
     Parameters
     ----------
     corner: x and y of the rectangle's lowest corner, m. along: the axis it runs along. length: m. runs_through: parity of the
-    courses on which it runs through its junctions. openings: measured from the corner. where: their name in messages.
+    courses on which it runs through its junctions. openings: measured from the corner. where: their place
+    in messages, with {} for the number of one of several.
     """
     half = masonry.thickness / 2
     outline = rectangle(0.0, 0.0, length, masonry.courses * masonry.cell.a)

@@ -47,6 +47,8 @@ def holes_and_lintels(
 ) -> tuple[tuple[Opening, ...], tuple[BondRegion, ...]]:
     """Return the openings of a wall (`length` m, `courses` high) and the lintels over them.
 
+    where: their place in messages, with {} for the number of one of several.
+
     Raises
     ------
     InputError: an opening or lintel that reaches beyond the wall.
@@ -55,19 +57,20 @@ def holes_and_lintels(
     lintels: list[BondRegion] = []
     placed: list[RectangularOpening] = []
     for number, given in enumerate(openings, start=1):
-        opening = opening_from(where, given)
+        at = where.format(number - 1)
+        opening = opening_from(at, given)
         start, stop, bearing = opening.start, opening.start + opening.width, opening.lintel_bearing
         sill, head = opening.sill_courses, opening.sill_courses + opening.height_courses
         if start - bearing < -1e-9 or stop + bearing > length + 1e-9:
             raise InputError(
-                where,
+                at,
                 "an opening with its lintel reaches beyond the wall",
                 found=f"{start - bearing:g} to {stop + bearing:g} m",
                 expected=f"within 0 to {length:g} m",
             )
         if head + (bearing > 0) > courses:
             raise InputError(
-                where,
+                at,
                 "an opening with its lintel is higher than the wall",
                 found=f"{head + (bearing > 0)} courses",
                 expected=f"at most {courses}",
@@ -75,7 +78,7 @@ def holes_and_lintels(
         other = next((o for o in placed if _overlap(o, opening)), None)
         if other is not None:
             raise InputError(
-                where,
+                at,
                 "openings overlap",
                 found=f"one from {other.start:g} to {other.start + other.width:g} m, one from {start:g} to {stop:g} m",
                 expected="openings clear of each other",

@@ -80,5 +80,5 @@ def wall(*, name: str = "wall", materials: tuple[UnitWeight, ...] = (DEFAULT_MAT
         through_offset=p.through_offset,
         cut_offset=p.cut_offset,
     )
-    panel = straight_wall("wall", masonry, (0.0, 0.0), "x", p.length, openings=p.openings, where="wall.openings")
+    panel = straight_wall("wall", masonry, (0.0, 0.0), "x", p.length, openings=p.openings, where="wall.openings.{}")
     return Building(name, (panel,), materials)

@@ -739,7 +739,7 @@ def test_a_case_is_checked_with_the_stones_that_a_run_would_lay(capsys: pytest.C
     case.write_text(case.read_text().replace("inner_radius_m = 1.2", "inner_radius_m = 1.6"))
     code, _, err = call(capsys, "check", case)
     assert code == 1
-    assert re.search(r"chapel\.toml: line 5, wall east, bond: .*narrower than a quarter of a stone", err)
+    assert re.search(r"chapel\.toml: line 5, source: wall east, bond: .*narrower than a quarter of a stone", err)
 
 
 # A box whose door leaves 0.15 x 0.25 m of masonry beside it: no stone of 0.6 m is laid there.
@@ -775,7 +775,7 @@ def test_stones_that_cannot_be_laid_have_the_line_of_their_source(
     written = ["-o", tmp_path / names[command]] if command in names else []
     code, _, err = call(capsys, command, case_file(tmp_path, NARROW + carried), *written)
     assert code == 1
-    assert re.search(r"case\.toml: line 2, wall south, bond: .*narrower than a quarter of a stone", err)
+    assert re.search(r"case\.toml: line 2, source: wall south, bond: .*narrower than a quarter of a stone", err)
 
 
 def test_progress_elsewhere_than_on_a_terminal_is_lines(monkeypatch: pytest.MonkeyPatch) -> None:

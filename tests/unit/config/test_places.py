@@ -1,5 +1,6 @@
 """Errors name the key that the person wrote, and its line."""
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -118,7 +119,18 @@ def test_a_mistake_has_its_key_and_its_line(old: str, new: str, said: str, tmp_p
 )
 def test_a_mistake_of_two_keys_has_the_line_of_its_opening(old: str, new: str, opening: str, said: str, tmp_path: Path) -> None:
     head = line(f'name = "{opening}"') - 1
-    test_a_mistake_has_its_key_and_its_line(old, new, f"line {head}, {said}", tmp_path)
+    test_a_mistake_has_its_key_and_its_line(old, new, rf"line {head}, source\.openings\.\d: {said}", tmp_path)
+
+
+def test_a_junction_that_is_none_has_the_line_of_its_table(tmp_path: Path) -> None:
+    text = sample_case("house").replace("# junctions = [", 'junctions = [{ walls = ["south", "inner"], every = 4 },\n', 1)
+    text = text.replace(
+        '{ walls = ["south", "inner"], every = 4, cracked_m', '{ walls = ["north", "inne"], every = 4, cracked_m', 1
+    )
+    with pytest.raises(InputError, match=r"source\.junctions\.1: junction of north and inne: no such wall") as caught:
+        read_case(case_file(tmp_path, text)).building()
+    number = int(re.findall(r"line (\d+)", str(caught.value))[0])
+    assert "inne" in text.splitlines()[number - 1]
 
 
 def test_what_was_set_has_no_line(tmp_path: Path) -> None:
@@ -148,7 +160,7 @@ SET = (
         ("source.generator=walll", "--set, source.generator: unknown generator; found 'walll'"),
         ("source.generator=chapel", "line 2 with --set source.generator, source.course_m: missing key"),
         ("source.dxf=a.dxf", "line 2 with --set source.dxf, source: no single source"),
-        ("source.openings.0.start_mm=9e4", "line 7 with --set source.openings.0.start_mm, source.openings: an opening"),
+        ("source.openings.0.start_mm=9e4", "line 7 with --set source.openings.0.start_mm, source.openings.0: an opening"),
         ("material.default.friction=-1", "--set, material.default.friction: wrong value; found -1"),
         ("material.new.friction=.5", "case.toml: --set, material.new: missing keys; expected material.new.unit_weight_kN_m3."),
         ("load.0.direction=[1,0]", "--set, load.0.direction: wrong value; found [1, 0]"),

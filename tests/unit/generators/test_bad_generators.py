@@ -130,7 +130,7 @@ def test_openings_of_a_wall_do_not_overlap(second: dict[str, Any], overlap: bool
     if not overlap:
         assert len(generators.wall(**given).panels[0].openings) == 2
         return
-    with pytest.raises(InputError, match=r"wall\.openings: openings overlap; found one from 0\.4 to 0\.8 m, one from"):
+    with pytest.raises(InputError, match=r"wall\.openings\.1: openings overlap; found one from 0\.4 to 0\.8 m, one from"):
         generators.wall(**given)
 
 
