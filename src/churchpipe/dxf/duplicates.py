@@ -1,6 +1,7 @@
 """Stones drawn twice: the commonest slip of copy and paste."""
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding
@@ -9,6 +10,9 @@ from churchpipe.model.arrays import FloatArray
 
 # Stones whose boxes, corner means and volumes agree to this part of the median stone are one stone drawn twice.
 SAME_STONE = 1e-6
+# So are stones whose boxes and corner means agree to the first part of their smallest side, and that fill more than the second
+# part of their boxes: a copy that slipped.
+NEARLY_SAME, FILLED = 0.01, 0.51
 
 
 def distinct_stones(stones: list[Stone], repair: bool, findings: list[Finding]) -> list[Stone]:
@@ -18,12 +22,16 @@ def distinct_stones(stones: list[Stone], repair: bool, findings: list[Finding]) 
         one, other = stones[first], stones[second]
         handle = f" (#{one.place.handle})" if one.place.handle else ""
         found = f'stone "{other.name}" lies on "{one.name}"{handle}'
+        slip = float(np.abs(np.ptp([*map(_box, (one, other))], axis=0)).max())
+        lengths = (slip,) if slip > SAME_STONE * float(np.ptp(one.points, axis=0).max()) else ()
+        found += ", but for a slip of {}," if lengths else ""
         if repair and (one.fixed, one.material) == (other.fixed, other.material):
-            findings.append(other.place.finding("W11", f"{found} and was dropped"))
+            findings.append(other.place.finding("W11", f"{found} and was dropped", lengths=lengths))
             dropped.add(second)
         else:
             remedy = "Delete one of the two" + (": one is ground or of other material." if repair else ", or pass --repair.")
-            findings.append(other.place.finding("E11", found, expected="one stone in one place", remedy=remedy))
+            expected = "one stone in one place"
+            findings.append(other.place.finding("E11", found.rstrip(","), expected=expected, remedy=remedy, lengths=lengths))
     return [stone for index, stone in enumerate(stones) if index not in dropped]
 
 
@@ -33,23 +41,24 @@ def coinciding(stones: list[Stone]) -> list[tuple[int, int]]:
         return []
     marks = _marks(stones)
     size = float(np.median(np.cbrt(marks[:, 9])))
-    limit = SAME_STONE * np.append(np.full(9, size), size**3)
-    # Sorted along a direction that no building follows, equal stones are neighbours.
-    weights = np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0])
-    along = marks[:, :9] @ weights
-    reach = limit[0] * weights.sum()
-    groups: list[list[int]] = []
-    start = 0
-    for index in np.argsort(along, kind="stable").tolist():
-        while start < len(groups) and along[index] - along[groups[start][0]] > reach:
-            start += 1
-        equal = (group for group in groups[start:] if (np.abs(marks[index] - marks[group[0]]) <= limit).all())
-        if (group := next(equal, None)) is None:
-            groups.append([index])
-        else:
-            group.append(index)
-    pairs = [(min(group), copy) for group in groups for copy in group if copy != min(group)]
-    return sorted(pairs, key=lambda pair: pair[1])
+    pairs = KDTree(marks[:, :9]).query_pairs(max(SAME_STONE, NEARLY_SAME) * size, p=np.inf, output_type="ndarray")
+    first, second = marks[pairs].transpose(1, 0, 2)
+    away, volume = np.abs(first - second)[:, :9].max(axis=1), first[:, 9]
+    same = (away <= SAME_STONE * size) & (np.abs(volume - second[:, 9]) <= SAME_STONE * size**3)
+    sides = first[:, 3:6] - first[:, :3]
+    # Of boxes that agree, stones that fill more than half of theirs have a place in common.
+    filled = np.minimum(volume, second[:, 9]) > FILLED * sides.prod(axis=1)
+    nearly = filled & (away <= NEARLY_SAME * sides.min(axis=1))
+    one = dict[int, int]()
+    copies: list[list[int]] = np.unique(np.sort(pairs[same | nearly], axis=1), axis=0).tolist()
+    for a, b in copies:
+        if b not in one:
+            one[b] = one.get(a, a)
+    return sorted(((a, b) for b, a in one.items()), key=lambda pair: pair[1])
+
+
+def _box(stone: Stone) -> FloatArray:
+    return np.concatenate([stone.points.min(axis=0), stone.points.max(axis=0)])
 
 
 def _marks(stones: list[Stone]) -> FloatArray:

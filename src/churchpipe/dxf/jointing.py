@@ -60,6 +60,10 @@ def jointed(
         return stones, 1 / share if mortar == "counted" else np.ones(len(stones))
     what += "stones were grown to meet in the middle; mortar weighs " + ("like stone" if mortar == "counted" else "nothing")
     findings.append(Finding("W26", what, lengths=lengths))
+    for first, second, width in closed.wide:
+        what = f'a gap of {{}} to the stone "{stones[second].name}" is too wide for a joint, or off the others, and stays open'
+        remedy = "Draw it as wide as the joints beside it, or pass another --joint: the two stones do not touch there."
+        findings.append(stones[first].place.finding("W26", what, remedy=remedy, lengths=(width,)))
     for index in closed.stuck:
         findings.append(stones[index].place.finding("W26", "a stone that could not be grown was left as it was"))
     grown = [

@@ -8,6 +8,7 @@ import numpy as np
 from ezdxf import path as paths
 from ezdxf.entities.boundary_paths import EdgePath, LineEdge
 from ezdxf.lldxf import const
+from ezdxf.math import Vec3
 
 from churchpipe.dxf.definitions import Matrix, transformed
 from churchpipe.dxf.schema import LARGEST_COORDINATE
@@ -60,7 +61,7 @@ def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bo
     if not 0.0 < float(np.linalg.norm(extrusion)) < np.inf:
         raise ValueError(f"the direction of its extrusion is {tuple(extrusion.tolist())}")
     filled = entity.dxftype() == "HATCH"
-    drawn = _boundaries(entity) if filled else [(line, 0.0) for line in paths.make_path(entity).sub_paths()]
+    drawn = _boundaries(entity) if filled else [(line, 0.0) for line in _path(entity).sub_paths()]
     normal = extrusion @ np.linalg.inv(matrix[0]).T
     up: FloatArray = np.asarray(normal / np.linalg.norm(normal), dtype=np.float64)
     across = _axes(up)[:2].T
@@ -85,6 +86,16 @@ def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bo
         out.append(Trace(points, closed, own_plane, where, layer, depth, filled, added=added, bearing=bearing, fine=fine))
     several = filled and len(out) > 1 and all((np.abs(trace.points) <= LARGEST_COORDINATE).all() for trace in out)
     return _with_voids(out, across, entity.dxf.get("hatch_style", 0)) if several else out
+
+
+def _path(entity: Any) -> Any:
+    """Return the path of an entity; of a spline of the first degree the polyline that it is, with its corners."""
+    if entity.dxftype() == "SPLINE" and entity.dxf.degree == 1 and len(entity.control_points) > 1:
+        line = paths.from_vertices([Vec3(tuple(point)) for point in entity.control_points])
+        if entity.closed and not line.is_closed:
+            line.close()
+        return line
+    return paths.make_path(entity)
 
 
 def _boundaries(hatch: Any) -> list[tuple[Any, float]]:

@@ -57,7 +57,8 @@ class Closed:
     """Stones grown to meet in their joints.
 
     solids: points and faces; joints: those that were closed; volume_before, volume (nb,): of each stone; stuck: indices of the
-    stones that could not be grown and were left as they were.
+    stones that could not be grown and were left as they were; wide: gaps between two stones, (stone, stone, width), that are too
+    wide for a joint, or off the main joint of a face, and stay open.
     """
 
     solids: list[Solid]
@@ -65,6 +66,7 @@ class Closed:
     volume_before: FloatArray
     volume: FloatArray
     stuck: list[int]
+    wide: list[tuple[int, int, float]]
 
 
 def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
@@ -113,7 +115,19 @@ def close_joints(solids: Sequence[Solid], joint: float) -> Closed:
             continue
         after[index] = volume
         out.append((grown, tuple(split)))
-    return Closed(out, joints, before, after, stuck)
+    return Closed(out, joints, before, after, stuck, _too_wide(flat, joints, joint))
+
+
+def _too_wide(flat: "_Faces", joints: Joints, joint: float) -> list[tuple[int, int, float]]:
+    """Return the stones that face each other across no joint, but across no more than the widest end of one."""
+    closed = {tuple(sorted(pair)) for pair in flat.solid[joints.faces].tolist()}
+    wider = _joints(flat, WIDEST / WIDEST_MEAN * joint, astray=np.inf)
+    found: dict[tuple[int, int], float] = {}
+    for pair, width in zip(flat.solid[wider.faces].tolist(), wider.width.tolist(), strict=True):
+        first, second = sorted(pair)
+        if (first, second) not in closed:
+            found[first, second] = max(width, found.get((first, second), 0.0))
+    return [(*pair, width) for pair, width in sorted(found.items())]
 
 
 def with_mortar(stones: Assemblage, joint: float) -> Assemblage:
@@ -212,7 +226,8 @@ class _Faces:
         )
 
 
-def _joints(flat: _Faces, joint: float) -> Joints:
+def _joints(flat: _Faces, joint: float, *, astray: float = ASTRAY) -> Joints:
+    """Return the joints; astray: share of the width by which those of one face may be off its main one."""
     pairs: list[tuple[int, int]] = []
     width: list[float] = []
     middle: list[FloatArray] = []
@@ -236,7 +251,7 @@ def _joints(flat: _Faces, joint: float) -> Joints:
         width.append(float(gap.mean()))
         middle.append(points)
         weight.append(size / gap.mean() ** 2)
-    kept = _one_surface_a_face(pairs, middle, weight, ASTRAY * joint)
+    kept = _one_surface_a_face(pairs, middle, weight, astray * joint)
     faces = np.array([pairs[k] for k in kept], dtype=np.int64).reshape(-1, 2)
     return Joints(faces, np.array([width[k] for k in kept]), tuple(middle[k] for k in kept), _numbers(flat, faces, joint))
 

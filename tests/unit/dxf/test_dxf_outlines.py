@@ -48,12 +48,25 @@ def findings_of(path: Path, **options: Any) -> Findings:
     return caught.value.findings
 
 
+def _cubic(space: Any) -> None:
+    """Add a spline of straight spans between corners at knots of full multiplicity, as programs of illustration write it."""
+    corners = np.array([(*point, 0.0) for point in [*BRICK, BRICK[0]]])
+    points = [a + share * (b - a) for a, b in pairwise(corners) for share in (0, 1 / 3, 2 / 3)] + [corners[-1]]
+    space.add_spline(degree=3).control_points = points
+    space.query("SPLINE")[-1].knots = [0.0] * 4 + [float(k) for k in (1, 2, 3) for _ in range(3)] + [4.0] * 4
+
+
 WAYS: dict[str, tuple[Callable[[Any], object], list[str]]] = {
     "by its flag": (lambda space: space.add_lwpolyline(BRICK, close=True), []),
     "first point repeated": (lambda space: space.add_lwpolyline([*BRICK, BRICK[0]]), []),
     "flag and first point repeated": (lambda space: space.add_lwpolyline([*BRICK, BRICK[0]], close=True), []),
     "old polyline": (lambda space: space.add_polyline2d(BRICK, close=True), []),
     "polyline in space": (lambda space: space.add_polyline3d([(x, y, 0) for x, y in BRICK], close=True), []),
+    "spline of the first degree": (
+        lambda space: space.add_open_spline([(x, y, 0) for x, y in [*BRICK, BRICK[0]]], degree=1),
+        [],
+    ),
+    "spline of the third degree with corners": (lambda space: _cubic(space), []),
     "clockwise": (lambda space: space.add_lwpolyline(BRICK[::-1], close=True), []),
     "doubled points": (lambda space: space.add_lwpolyline([BRICK[0], *BRICK, BRICK[3]], close=True), []),
     "corners on its sides": (
@@ -569,6 +582,20 @@ def springing(space: Any) -> None:
         space.add_lwpolyline([(300 - r * np.cos(angle), 150 + r * np.sin(angle)) for r, angle in ends], close=True)
 
 
+def test_a_joint_too_wide_to_be_closed_is_told(tmp_path: Path) -> None:
+    # Three bricks on the ground with mortar of 10 mm; the second head joint is 17 mm wide.
+    def draw(space: Any) -> None:
+        for left in (0, 260, 527):
+            space.add_lwpolyline([(left, 10), (left + 250, 10), (left + 250, 75), (left, 75)], close=True)
+
+    drawing = read(drawn(tmp_path / "wall.dxf", draw), joint=0.01)
+    told = [finding for finding in drawing.findings if finding.code == "W26" and "stays open" in finding.found]
+    (gap,) = told
+    assert gap.lengths[0] == pytest.approx(0.017)
+    assert gap.handle
+    assert len(find_contacts(drawing.stones).area) == 4
+
+
 def test_a_stone_that_crosses_itself_once_it_is_grown_is_not_blamed_on_the_drawing(tmp_path: Path) -> None:
     path = drawn(tmp_path / "a.dxf", springing, unit=5, ground=False)
     options = {"thickness": 0.6, "joint": 0.01, "support": "base"}
@@ -669,6 +696,23 @@ def test_walls_taken_for_stones_are_no_drawing_in_a_smaller_unit_alone(tmp_path:
     # Bricks in millimetres in a file that says metres are no walls in any case.
     path = drawn(tmp_path / "b.dxf", lambda space: course(space, 10.0), unit=6, ground=False)
     assert "--bond" not in str(findings_of(path, joint=10.0, support="base"))
+
+
+@pytest.mark.parametrize("slip", [0.01, 0.5])
+def test_a_copy_that_slipped_is_a_duplicate(slip: float, tmp_path: Path) -> None:
+    # mm; of two bricks in a row the first is there twice.
+    def draw(space: Any) -> None:
+        space.add_lwpolyline(BRICK, close=True)
+        space.add_lwpolyline([(x + slip, y - 0.3 * slip) for x, y in BRICK], close=True)
+        space.add_lwpolyline([(x + 250, y) for x, y in BRICK], close=True)
+
+    path = drawn(tmp_path / "wall.dxf", draw)
+    (error,) = findings_of(path).errors
+    assert error.code == "E11"
+    assert error.lengths[0] == pytest.approx(slip * 1e-3)
+    drawing = read(path, repair=True)
+    assert drawing.stones.count == 3
+    assert drawing.stones.volume.sum() == pytest.approx((2 * 0.1 + 2 * 0.25 * 0.065) * 0.12)
 
 
 def test_duplicates_are_listed_and_dropped_on_request(tmp_path: Path) -> None:
