@@ -106,11 +106,11 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     others = np.array([k for k in range(count) if k not in met], dtype=np.int64)
     crosses = shapely.STRtree(drawn).query(drawn[others], predicate="crosses")[0]
     crossing = set(others[crosses].tolist())
-    net = _meshed(lines, outlines, sorted(met | crossing), reach, slip)
+    net = _meshed(lines, outlines, sorted(met | crossing), reach, slip, scatter.spread)
     # A line that only crosses others, and goes on beyond them, is no side of a stone: an axis, or a dimension.
     beyond = crossing & set(net.loose)
     if beyond:
-        net = _meshed(lines, outlines, sorted((met | crossing) - beyond), reach, slip)
+        net = _meshed(lines, outlines, sorted((met | crossing) - beyond), reach, slip, scatter.spread)
     unused = [k for k in range(count) if k in beyond or k not in met | crossing]
     short = {of_net[k]: by for k, by in doubtful([meant[k] for k in of_net], scatter, slip).items() if of_net[k] not in unused}
     told = {k: max(mended.get(k, 0.0), net.mended.get(k, 0.0)) for k in mended | net.mended}
@@ -241,8 +241,10 @@ def _short(
     return {ends[n]: float(past[n]) for n in short.tolist()}
 
 
-def _meshed(lines: Sequence[FloatArray], outlines: Sequence[FloatArray], chosen: list[int], reach: float, slip: float) -> Net:
-    """Return the net of the chosen lines and outlines alone."""
+def _meshed(
+    lines: Sequence[FloatArray], outlines: Sequence[FloatArray], chosen: list[int], reach: float, slip: float, spread: float
+) -> Net:
+    """Return the net of the chosen lines and outlines alone; spread: how far lines that meet miss each other."""
     if not chosen:
         return Net([], [], [], [], {})
     count = len(lines)
@@ -262,8 +264,8 @@ def _meshed(lines: Sequence[FloatArray], outlines: Sequence[FloatArray], chosen:
         length = np.linalg.norm(side, axis=1)
         longest = int(np.argmax(length))
         nearest = chosen[int(tree.nearest(shapely.Point(corners[longest] + 0.5 * side[longest])))]
-        # A film between two lines that were meant to be one is no stone; a wedge that opens is.
-        narrow = mesh.area <= reach * mesh.length and mesh.buffer(-reach).is_empty
+        # A film between two lines that were meant to be one is no stone; a wedge wider than lines miss each other is.
+        narrow = mesh.area <= reach * mesh.length and mesh.buffer(-spread).is_empty
         if mesh.length > slip and not narrow:
             meshes.append((nearest, corners))
         elif narrow or not shapely.dwithin(mesh, ends, slip):

@@ -1,6 +1,7 @@
 """Nets of lines drawn by hand: of random masonry, whose lines meet three at a place, no stone is lost and none is added."""
 
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -220,6 +221,22 @@ def test_an_area_between_lines_that_nearly_coincide_is_left_out_and_told() -> No
     assert left.length == pytest.approx(1.0, rel=1e-3)
     assert left.width == pytest.approx(0.001, rel=0.01)
     np.testing.assert_allclose(left.at, [1.5007, 1 / 3], atol=1e-3)
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-5, 1e-4, 3e-4])
+def test_films_between_bricks_drawn_by_hand_are_no_stones(off: float) -> None:
+    # Four courses of bricks of 500 x 200 mm, each with four lines of its own that miss those of its neighbours.
+    rng = np.random.default_rng(0)
+    marks = [sorted({0.0, 2.0, *(np.arange(0, 2, 0.5) + 0.25 * (z % 2))}) for z in range(4)]
+    boxes = [((x, 0.2 * z), (end, 0.2 * (z + 1))) for z in range(4) for x, end in pairwise(marks[z])]
+    corners = [[(a, b), (c, b), (c, d), (a, d)] for (a, b), (c, d) in boxes]
+    lines = [
+        np.array(side) + rng.uniform(-off, off, (2, 2)) for one in corners for side in zip(one, np.roll(one, -1, 0), strict=True)
+    ]
+    net = net_of(lines, [])
+    assert len(net.meshes) == len(boxes)
+    assert bool(net.left) == (off > 0)
+    assert all(area.narrow and area.width < 2 * off for area in net.left)
 
 
 @pytest.mark.parametrize(("past", "off"), [(0.04, 0.0), (0.04, 0.01), (0.05, 0.03)])
