@@ -49,9 +49,13 @@ def no_higher(balance: Balanced, strength: Strength, state: CoulombState, load_f
     """
     if state.load_factor <= load_factor:
         return state
-    least = _WithGap(balance, strength, state).farthest(-1.0)
-    above = state.load_factor - least.load_factor
-    return _mixed(state, least, min((state.load_factor - load_factor) / above, 1.0)) if above > 0 else state
+    return towards(state, _WithGap(balance, strength, state).farthest(-1.0), load_factor)
+
+
+def towards(state: CoulombState, end: CoulombState, load_factor: float) -> CoulombState:
+    """Return the state between two of one mechanism that has this load factor, or of the two the one nearest to it."""
+    way = end.load_factor - state.load_factor
+    return _mixed(state, end, min(max((load_factor - state.load_factor) / way, 0.0), 1.0)) if way else state
 
 
 class _WithGap:

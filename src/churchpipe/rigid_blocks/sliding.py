@@ -24,7 +24,7 @@ from churchpipe.rigid_blocks.coulomb import (
     sliding_velocities,
 )
 from churchpipe.rigid_blocks.equilibrium import Equilibrium
-from churchpipe.rigid_blocks.interval import mechanism_ends
+from churchpipe.rigid_blocks.interval import mechanism_ends, towards
 from churchpipe.rigid_blocks.iterations import SlidingRun, certified_iteration, paper_iteration
 from churchpipe.rigid_blocks.loose import any_load_words, held_fast, loose_stones, loose_words
 from churchpipe.rigid_blocks.selection import fits_any_load, led_by, nearly, nearly_words
@@ -40,9 +40,11 @@ _PATIENCE = 8
 # Where the run from the centre cannot begin, or stops short of a state, the search is tried from these.
 _OTHERS: tuple[Start, ...] = ("dead-load", "associative")
 _LAST: tuple[Start, ...] = ("uniform", "scattered")
-# A search leads only where so many others, whose forces differ by the first share, end in a mechanism whose lowest load factor
-# differs by no more than the second.
-_AGAIN, _ROUNDING, _SAME = 1, 1e-7, 1e-3
+# A search leads only where another one, whose forces differ by the first share, is as low. What differs by no more than the
+# second share is the same.
+_ROUNDING, _SAME = 1e-7, 1e-3
+# A run from the centre whose last step moves its load factor by more is led by rounding along the states of its mechanism.
+_MOVED = 1e-2
 # Factors of the scattered forces, and how often they are drawn at most, until a state is certified.
 _SCATTER, _DRAWS = (0.3, 3.0), 3
 
@@ -160,13 +162,10 @@ def _lead(search: "_Search", settled: list[End], names: NameArray | None, *, def
     if not default:
         return lead, said
     stable = [end for end in settled if end.record.start == "centre" and not fits_any_load(end.record, search.interval(end))]
-    if stable and lead is not stable[0] and not search.found_again(lead, stable[0]):
-        said.append(
-            f"the state at {lead.record.load_factor:.4f} from the start {lead.record.start} does not lead: a search from forces"
-            " that differ by a ten-millionth ends elsewhere"
-        )
-        lead = stable[0]
-    return search.lowest_of_mechanism(lead), said
+    if not stable or lead is stable[0]:
+        return search.settled(lead), said
+    again, words = search.repeated(lead, stable[0])
+    return again or search.settled(stable[0]), [*said, *words]
 
 
 class _Search:
@@ -207,18 +206,35 @@ class _Search:
                 runs = [paper_iteration(balance, strength, n, each, solve, progress=self._progress) for each in before]
         self.keep(start, [run for run in runs if run is not None], options.method)
 
-    def found_again(self, end: End, centre: End) -> bool:
-        """Say whether searches from forces that differ by a ten-millionth end in the same mechanism, by its lowest state."""
-        n, low = self._first_forces(end.record.start), self.interval(end)[0]
-        for draw in range(1, _AGAIN + 1):
-            noise = np.random.default_rng(draw).normal(scale=_ROUNDING, size=len(n))
-            run = self._searched(n * (1.0 + noise), centre.record.load_factor / (1.0 + SEARCH_SPREAD))
-            if run is None or not run.converged:
-                return False
-            self.found.append(run)
-            if abs(mechanism_ends(self._balance, self._strength, run)[0].load_factor - low) > _SAME * low:
-                return False
-        return True
+    def repeated(self, end: End, centre: End) -> tuple[End | None, list[str]]:
+        """Return what leads where a search is made again from forces that differ by a ten-millionth, and what is said of it.
+
+        Where both end in mechanisms with the same lowest load factor, that one leads; where both are clearly lower than the run
+        from the centre, the higher of the two lowest ones, to which both searches come down. None leads where the second search
+        is not clearly lower: rounding has found the first.
+        """
+        n, start, most = self._first_forces(end.record.start), end.record.start, centre.record.load_factor / (1.0 + SEARCH_SPREAD)
+        noise = np.random.default_rng(1).normal(scale=_ROUNDING, size=len(n))
+        run = self._searched(n * (1.0 + noise), most)
+        elsewhere = f"the state at {end.record.load_factor:.4f} from the start {start} does not lead: a search from forces that"
+        elsewhere += " differ by a ten-millionth ends elsewhere"
+        if run is None or not run.converged:
+            return None, [elsewhere]
+        self.found.append(run)
+        low, ends = self.interval(end)[0], mechanism_ends(self._balance, self._strength, run)
+        other = ends[0].load_factor
+        if abs(low - other) <= _SAME * low:
+            return self.settled(end), []
+        if other > most:
+            return None, [elsewhere]
+        both = (
+            f"searches from forces that differ by a ten-millionth end in mechanisms whose intervals begin at {low:.4f} and"
+            f" {other:.4f}: rounding decides between these"
+        )
+        if other > low:
+            self._mechanisms[start] = ends
+            end = End(replace(end.record, load_factor=run.load_factor, gap=run.gap, history=run.history), run, run)
+        return self.settled(end), [both]
 
     def _searched(self, n: FloatArray, below: float) -> SlidingRun | None:
         """Return the search from normal forces n (nc,) for a state below a load factor that is known, if any is."""
@@ -267,23 +283,29 @@ class _Search:
         found = self._mechanisms.get(end.record.start)
         return (np.nan, np.nan) if found is None else (found[0].load_factor, found[1].load_factor)
 
-    def lowest_of_mechanism(self, end: End) -> End:
-        """Return the lowest certified state of the mechanism that a search found.
+    def settled(self, end: End) -> End:
+        """Return a certified state of the mechanism of an end that does not hang on rounding.
 
-        Which state of its mechanism a search ends at hangs on rounding; which of them is the lowest does not. Nor does it where
-        the run from the centre ends, so that this stays as it is, unless it had ties and ended in a search.
+        Which state of its mechanism a search ends at hangs on rounding; which of them is the lowest does not. As a rule nor does
+        where the run from the centre ends, so that this stays as it is, unless it had ties and ended in a search. But where its
+        last step has gone far along the states of its mechanism, the one nearest to the step before is taken.
         """
         record, run, _ = end
         found = self._mechanisms.get(record.start)
-        if found is None or not record.converged or (record.start == "centre" and not self._balance.ties):
+        if found is None or not record.converged:
             return end
-        low = found[0]
-        if low.relative_gap > BIPOTENTIAL_GAP or not admissible(self._balance, self._strength, low):
+        state = found[0]
+        if record.start == "centre" and not self._balance.ties:
+            before = run.history[-2].load_factor if len(run.history) > 1 else run.load_factor
+            if abs(run.load_factor - before) <= _MOVED * abs(run.load_factor):
+                return end
+            state = towards(run, found[int(before > run.load_factor)], before)
+        if state.relative_gap > BIPOTENTIAL_GAP or not admissible(self._balance, self._strength, state):
             return end
-        history = (*run.history, Iteration(low.load_factor, 0.0, low.relative_gap))
-        lowest = replace(run, x=low.x, load_factor=low.load_factor, gap=low.gap, history=history)
-        self.found = [lowest if each is run else each for each in self.found]
-        return End(replace(record, load_factor=low.load_factor, gap=low.gap, history=history), lowest, low)
+        history = (*run.history, Iteration(state.load_factor, 0.0, state.relative_gap))
+        chosen = replace(run, x=state.x, load_factor=state.load_factor, gap=state.gap, history=history)
+        self.found = [chosen if each is run else each for each in self.found]
+        return End(replace(record, load_factor=state.load_factor, gap=state.gap, history=history), chosen, state)
 
     def _worth_finding(self) -> float:
         """Return the load factor below which a further start of an analysis that names none would lead, infinite if any would."""
