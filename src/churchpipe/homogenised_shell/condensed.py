@@ -32,6 +32,7 @@ from churchpipe.homogenised_shell.loads import load_vectors
 from churchpipe.homogenised_shell.planes import plane_points
 from churchpipe.homogenised_shell.points import CellStrength, PlaneStrength, local_strength
 from churchpipe.homogenised_shell.settings import FIRST_STEP, LIMIT, SOLVER, STARTED_LOW, STEP
+from churchpipe.homogenised_shell.step_ties import StepTies
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import JointStrength
@@ -46,7 +47,7 @@ class StressState:
     work-conjugate to loads over the weight; multipliers of the strength, flat: their flow is the plastic strain of that motion
     except for `unexplained`, conjugate to x, which is rounding; strain (6, nq): conjugate to stress. residual of equilibrium over
     the weight; violation of the strength over the unit of stress; gap: the loop's error, relative to the objective. reward: of
-    the load, 0 where none was pushed.
+    the load, 0 where none was pushed. tension (nt,): of ties that were part of the program, over the weight; None: none were.
     """
 
     x: FloatArray
@@ -64,6 +65,7 @@ class StressState:
     status: Outcome
     message: str
     reward: float
+    tension: FloatArray | None = None
 
     @property
     def balanced(self) -> bool:
@@ -125,7 +127,7 @@ class CondensedShell:
         """
         by_cell = isinstance(self.strength, CellStrength)
         if compliance is not None:
-            quick = self._step(dead, live, compliance, before, reward)
+            quick = self.elastic_step(dead, live, compliance, before, reward)
             if quick is not None:
                 return quick
         if compliance is None:
@@ -158,15 +160,19 @@ class CondensedShell:
         theta = ending.at.theta if outcome != "infeasible" else float(np.abs(ending.at.y).max())
         return self._state(problem, ending.at, theta, outcome, ending.info.error, iterations, ending.message)
 
-    def _step(
+    def elastic_step(
         self,
         dead: FloatArray | None,
         live: FloatArray | None,
         compliance: FloatArray,
         before: StressState | None,
         reward: float,
+        ties: StepTies | None = None,
     ) -> StressState | None:
-        """Return the state of an elastic step with the exact cell, or None where it needs the method that decides."""
+        """Return the state of an elastic step with the exact cell, or None where it needs the method that decides.
+
+        ties: bars whose tensions are found with it.
+        """
         law, coupling = self.strength, self._elastic
         if not isinstance(law, CellStrength) or coupling is None:
             return None
@@ -180,6 +186,7 @@ class CondensedShell:
             x = before.x.reshape(3, -1)
             if before.reward:
                 z = before.multipliers.reshape(3, -1) * (reward / before.reward)
+        work = reward * max(SOLVER.step_work / x.shape[1], SOLVER.step_corner_work)
         energy = elastic_energy(compliance, (0.0 if before is None else before.stress) - law.offset, self._energy)
         self._energy = energy
         step = ElasticStep(
@@ -193,14 +200,15 @@ class CondensedShell:
             dead=dead - coupling.equilibrate(law.offset),
             live=live,
             reward=reward,
+            ties=StepTies.none(len(nothing)) if ties is None else ties,
+            product=work,
         )
-        work = reward * max(SOLVER.step_work / x.shape[1], SOLVER.step_corner_work)
         found = solve_step(step, *central_pair(x, z, law.friction, SOLVER.step_margin, work))
         if found is None:
             return None
         at = found.x.ravel()
         stress, still = law.stress(at), law.forces.add_up(found.x)[1] - law.total
-        balance = coupling.equilibrate(stress) - dead - found.load * live
+        balance = coupling.equilibrate(stress) - dead - found.load * live - found.tension @ step.ties.pull
         motion = np.zeros(self.elements.unknowns)
         motion[~self.elements.clamped] = found.motion
         return StressState(
@@ -219,6 +227,7 @@ class CondensedShell:
             status="solved",
             message="",
             reward=pushed,
+            tension=None if ties is None else found.tension,
         )
 
     def solve_directly(self, dead: FloatArray | None, live: FloatArray | None, cap: float = np.inf) -> StressState:

@@ -3,12 +3,15 @@
 It begins at stresses t_n that have an equilibrium to go to, so that nothing has to be decided, as in `conic.interior_point`,
 but only found:
 
-    minimise  1/2 (t - t_n) C (t - t_n) - reward load    s.t.  H t = f_D + load f_L,  t = S x,  T x = total,  F x in K.
+    minimise  1/2 (t - t_n) C (t - t_n) - reward load    s.t.  H t = f_D + load f_L,  t = S x,  T x = total,  F x in K,
+
+and with ties as `step_ties` says.
 
 Stresses t count from the offset of the strength; x are the forces at the corners of the cells, S and T their sums, K the cones.
 Multipliers: the motion u of the shell, the strains e of the joints, the motions m of the stones, z of the cones. Throughout
 t = t_n + C^-1 (H^T u + e), and F z = S^T e + T^T m but for a share of what was missing at the start. An iteration eliminates x,
-z, e and m point by point (`cell_elimination`), predicts, and corrects (Mehrotra 1992; Gondzio 1996).
+z, e and m point by point (`cell_elimination`), predicts, and corrects (Mehrotra 1992; Gondzio 1996). The load and the tensions
+are eliminated last: they border the matrix of the motion with a few columns.
 """
 
 from dataclasses import dataclass
@@ -25,6 +28,7 @@ from churchpipe.homogenised_shell.corner_cones import CornerCones
 from churchpipe.homogenised_shell.energy import Energy
 from churchpipe.homogenised_shell.points import CellStrength
 from churchpipe.homogenised_shell.settings import SOLVER
+from churchpipe.homogenised_shell.step_ties import StepTies, TieIterate, TieWay
 from churchpipe.model.arrays import FloatArray
 
 # A step goes this share of the way to the boundary of the first cone; three in succession that are shorter than `_SHORT` end it.
@@ -46,6 +50,7 @@ class ElasticStep:
     """The program of a step: its strength, equilibrium H with the solvers of its linear systems, energy and loads (m,).
 
     before (6, nq): t_n. reward: of the load; without live forces the load stays 1, and the reward is the unit of the objective.
+    product: of each bound of a tie at the start.
     """
 
     law: CellStrength
@@ -58,15 +63,18 @@ class ElasticStep:
     dead: FloatArray
     live: FloatArray
     reward: float
+    ties: StepTies
+    product: float
 
 
 @dataclass(frozen=True, slots=True)
 class StepSolution:
-    """Corner forces x and multipliers z (3, corners), load, motion (m,), and the error, relative to the objective."""
+    """Corner forces x and multipliers z (3, corners), load, tensions (nt,), motion (m,), and the error over the objective."""
 
     x: FloatArray
     z: FloatArray
     load: float
+    tension: FloatArray
     motion: FloatArray
     error: float
     iterations: int
@@ -74,10 +82,11 @@ class StepSolution:
 
 @dataclass(frozen=True, slots=True)
 class _Way:
-    """A direction: of the motion, -du, of the load, and of the strains e of the joints and the motions m of the stones."""
+    """A direction: of the motion, -du, the load, the tensions (nt,), the strains e of the joints, the motions m of the stones."""
 
     motion: FloatArray
     load: float
+    tension: FloatArray
     strain: FloatArray
     stones: FloatArray
 
@@ -114,27 +123,32 @@ class _Run:
         # The share of what was missing at the start, `lack`, that still is.
         self._left = 1.0
         self._nothing = np.zeros_like(cones.x)
-        self._products = -float(np.vdot(self._lack, cones.x))
+        self._ties = TieIterate(step.ties, step.product)
+        self._products = -float(np.vdot(self._lack, cones.x)) + self._ties.products
         self._moves = bool(step.live.any())
         if self._moves:
-            left = step.coupling.equilibrate(step.before) - step.dead
+            left = step.coupling.equilibrate(step.before) - step.dead - self._ties.tension @ step.ties.pull
             self._load = float(step.live @ left) / float(step.live @ step.live)
         self._compliance: CoulombCompliance | None = None
-        # Motion under the load that grows, by the last factor; None until it is needed.
-        self._lever: FloatArray | None = None
+        # What borders the matrix of the motion: the load that grows and the tensions, forces of one unit of each (k, m).
+        self._border: FloatArray = np.vstack([*([step.live] if self._moves else []), step.ties.pull])
+        # Motions (k, m) under these, by the last factor; None until they are needed.
+        self._levers: FloatArray | None = None
 
     def measure(self) -> float:
         """Find the residuals, and return the gap and the work of the residuals over the objective."""
         step, forces = self._step, self._step.law.forces
         stress, still = forces.add_up(self._cones.x)
         self._joints, self._unbalanced = stress - self._stress, still - step.law.total
-        self._rows = step.coupling.equilibrate(self._stress) - step.dead - self._load * step.live
+        self._rows = self._balance()
+        self._misfit = self._ties.misfit(self._motion)
         self._short = step.reward - float(step.live @ self._motion) if self._moves else 0.0
         self.residual = float(np.abs(self._rows).max(initial=0.0))
         energy = 0.5 * float(np.vdot(self._stress - step.before, self._deformation))
         work = abs(float((self._joints * self._strain).sum())) + abs(float(self._unbalanced @ self._stones))
         work += abs(float(self._rows @ self._motion)) + abs(self._short * self._load)
         work += abs(self._left * float(np.vdot(self._lack, self._cones.x)))
+        work += float(np.abs(self._misfit) @ self._ties.tension)
         # Relative to the objective, or to a thousandth of its unit if that is larger.
         return (self._products + work) / max(abs(step.reward * self._load - energy), 1e-3 * step.reward)
 
@@ -147,24 +161,27 @@ class _Run:
         """
         step, cones = self._step, self._cones
         self._factor()
-        mean = self._products / cones.x.shape[1]
-        _, rate = self._try(self._nothing)
+        ties = self._ties
+        mean = self._products / (cones.x.shape[1] + 2 * len(ties))
+        _, tied, rate = self._try(self._nothing, np.zeros((2, len(ties))))
         cones.keep()
         target = min((1.0 - min(1.0, 1.0 / max(rate, 1e-300))) ** 3, _MOST_CENTRING) * mean
-        aim = cones.second_order(target)
-        way, rate = self._try(aim)
+        aim, aim_ties = cones.second_order(target), ties.second_order(tied, target)
+        way, tied, rate = self._try(aim, aim_ties)
         cones.keep()
         for _ in range(SOLVER.correctors):
             if rate <= _FRACTION:
                 break
             other = cones.recentred(aim, min(1.0, 1.0 / rate + _REACH), max(target, _TARGET * mean))
-            corrected, better = self._try(other)
+            corrected, tied_so, better = self._try(other, aim_ties)
             if 1.0 / better < 1.0 / rate + _WIN * _REACH:
                 break
             cones.keep()
-            rate, way, aim = better, corrected, other
+            rate, way, tied, aim = better, corrected, tied_so, other
         length = min(1.0, _FRACTION / max(rate, 1e-300))
         self._products = cones.move(length)
+        ties.move(tied, length)
+        self._products += ties.products
         self._motion = self._motion - length * way.motion
         self._load += length * way.load
         self._strain, self._stones = self._strain + length * way.strain, self._stones + length * way.stones
@@ -177,15 +194,16 @@ class _Run:
         """Return the iterate, the last digits of its balance put right by the smallest correction in the metric of the cones."""
         step, forces = self._step, self._step.law.forces
         assert self._compliance is not None
-        x, load = self._cones.x, self._load
+        x = self._cones.x
         for _ in range(_SWEEPS):
             stress, still = forces.add_up(x)
-            rows = step.coupling.equilibrate(self._stress) - step.dead - load * step.live
-            way = self._solved(rows, stress - self._stress, still - step.law.total, 0.0)
+            rows = self._balance()
+            way = self._solved(rows, stress - self._stress, still - step.law.total, 0.0, np.zeros(len(self._ties)))
             x = x - self._compliance.apply(forces.spread(way.strain, way.stones))
-            load += way.load
+            self._load += way.load
+            self._ties.tension = self._ties.tension + way.tension
             self._stress = self._stress + self._elastic(way.strain - step.coupling.strain(way.motion))
-        return StepSolution(x, self._cones.z, load, self._motion, error, iterations)
+        return StepSolution(x, self._cones.z, self._load, self._ties.tension, self._motion, error, iterations)
 
     def _factor(self) -> None:
         step = self._step
@@ -193,30 +211,44 @@ class _Run:
         values = step.normal.assemble(step.elimination.factor(self._compliance))
         values[step.normal.diagonal] *= 1.0 + _REGULARISATION
         step.cholesky.factor(values)
-        self._lever = None
+        self._levers = None
 
-    def _try(self, aim: FloatArray) -> tuple[_Way, float]:
-        """Return the direction whose products aim there, and the rate at which the first cone is left along it."""
+    def _balance(self) -> FloatArray:
+        """Return what of equilibrium (m,) is left."""
+        step = self._step
+        borne = step.dead + self._load * step.live + self._ties.tension @ step.ties.pull
+        return step.coupling.equilibrate(self._stress) - borne
+
+    def _try(self, aim: FloatArray, aim_ties: FloatArray) -> tuple[_Way, TieWay, float]:
+        """Return the direction whose products aim there, its part of the ties, and the rate at which the first bound is met."""
         law = self._step.law
         stress, still = push_cells(self._cones, law.forces, aim, self._lack, self._left)
-        way = self._solved(self._rows, stress - self._stress, still - law.total, self._short)
-        return way, answer_cells(self._cones, law.forces, aim, self._lack, self._left, way.strain, way.stones)
+        misfit = self._ties.aimed(self._misfit, aim_ties)
+        way = self._solved(self._rows, stress - self._stress, still - law.total, self._short, misfit)
+        rate = answer_cells(self._cones, law.forces, aim, self._lack, self._left, way.strain, way.stones)
+        tied, rate_ties = self._ties.answer(way.tension, aim_ties)
+        return way, tied, max(rate, rate_ties)
 
-    def _solved(self, rows: FloatArray, joints: FloatArray, stones: FloatArray, short: float) -> _Way:
+    def _solved(self, rows: FloatArray, joints: FloatArray, stones: FloatArray, short: float, misfit: FloatArray) -> _Way:
         step = self._step
         reduced = step.elimination.reduce(joints, stones)
         right = rows + step.coupling.equilibrate(reduced.stress)
-        load = 0.0
-        if self._moves and self._lever is None:
-            # Both at once take less time than one after the other.
-            motion, self._lever = np.ascontiguousarray(step.cholesky.solve(np.column_stack([right, step.live])).T)
+        grown: FloatArray = np.zeros(len(self._border))
+        if len(grown) and self._levers is None:
+            # All at once take less time than one after the other.
+            motion, *levers = np.ascontiguousarray(step.cholesky.solve(np.column_stack([right, *self._border])).T)
+            self._levers = np.array(levers)
         else:
             motion = step.cholesky.solve(right)
-        if self._lever is not None:
-            load = (short + float(step.live @ motion)) / float(step.live @ self._lever)
-            motion = motion - load * self._lever
+        if self._levers is not None:
+            first = [short] if self._moves else []
+            soft = np.concatenate([np.zeros(len(first)), self._ties.softness])
+            wanted = self._border @ motion + np.concatenate([first, -misfit])
+            grown = np.asarray(np.linalg.solve(self._border @ self._levers.T + np.diag(soft), wanted), dtype=np.float64)
+            motion = motion - grown @ self._levers
         strain, moved = step.elimination.recover(reduced, step.coupling.strain(motion))
-        return _Way(motion, load, strain, moved)
+        split = int(self._moves)
+        return _Way(motion, float(grown[:split].sum()), grown[split:], strain, moved)
 
     def _elastic(self, strain: FloatArray) -> FloatArray:
         return np.einsum("abq,bq->aq", self._step.energy.stiffness, strain)

@@ -29,6 +29,7 @@ from churchpipe.homogenised_shell.limit import FALLS
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
 from churchpipe.homogenised_shell.strength import with_warning
+from churchpipe.homogenised_shell.tie_cuts import tensions_by_cuts
 from churchpipe.homogenised_shell.tie_path import TiePath
 from churchpipe.model.arguments import check_call, check_kind, describe, listed
 from churchpipe.model.arrays import FloatArray
@@ -100,7 +101,7 @@ def pushover(
     stiffness = facet_stiffness(shell, materials)
     elements = shell_elements(shell, membrane, stations)
     condensed = CondensedShell(elements, load, materials, planes)
-    path = _Path(condensed, stiffness, TiePath(elements, listed("pushover: ties", ties, Tie)))
+    path = _Path(condensed, stiffness, listed("pushover: ties", ties, Tie))
     status, message = path.stand(progress)
     if status == "converged":
         status, message = path.push(steps, progress)
@@ -110,13 +111,13 @@ def pushover(
 class _Path:
     """The state of a pushover so far: stresses, displacements and the record of its steps."""
 
-    def __init__(self, condensed: CondensedShell, stiffness: FloatArray, ties: TiePath) -> None:
+    def __init__(self, condensed: CondensedShell, stiffness: FloatArray, ties: Sequence[Tie]) -> None:
         elements, loads = condensed.elements, condensed.loads
-        self._condensed, self._stiffness, self._ties = condensed, stiffness, ties
-        elastic = _elastic(elements, stiffness)
+        self._condensed, self._stiffness = condensed, stiffness
+        self._elastic = _elastic(elements, stiffness)
         # f_L . u / W, m, at a load factor of one when nothing yields.
-        self._softness = loads.weight * float(loads.live @ elastic(loads.live))
-        ties.soften(elastic)
+        self._softness = loads.weight * float(loads.live @ self._elastic(loads.live))
+        self._ties = TiePath(elements, ties, self._softness, loads.weight)
         unit = loads.unit.T
         size = elements.weight / (loads.weight * self._softness)
         flexibility = np.moveaxis(np.linalg.inv(stiffness)[elements.facet], 0, 2)
@@ -133,7 +134,7 @@ class _Path:
     def stand(self, progress: Progress | None) -> tuple[Status, str]:
         """Apply the dead load."""
         begin = perf_counter()
-        dead = self._dead(self._ties.tension)
+        dead = self._condensed.loads.dead + self._ties.loads
         state = self._condensed.solve(dead, None, compliance=self._compliance, cap=1.0)
         if state.status == "infeasible":
             fall = state.motion
@@ -152,16 +153,14 @@ class _Path:
         travelled = factor = 0.0
         while len(self._steps) <= most:
             begin = perf_counter()
-            state, tension, elongation = self._ties.step(
-                lambda tension, reward=length: self._step(tension, reward), self._softness
-            )
+            state, tension = self._step(length)
             if not state.holds:
                 if length < SOLVER.shortest * SOLVER.first_step:
                     return "failed", f"step {len(self._steps)}: {_reason(state)}"
                 length *= SOLVER.shrink
                 longest = length
                 continue
-            self._ties.accept(tension, elongation)
+            self._ties.accept(state, tension)
             rise, before = state.load - factor, travelled
             travelled, factor = travelled + length, state.load
             self._accept(state, travelled * self._softness, factor, begin, progress)
@@ -171,14 +170,33 @@ class _Path:
             length = min(length * float(np.clip(wanted, 1.0, SOLVER.growth)), longest)
         return "not-converged", f"no plateau after {counted(most, 'step')}"
 
-    def _dead(self, tension: FloatArray) -> FloatArray:
-        loads = self._condensed.loads
-        return loads.dead + self._ties.loads(tension) / loads.weight
+    def _step(self, reward: float) -> tuple[StressState, FloatArray]:
+        """Return the state of a step, and the tensions over the weight of the ties that may pull."""
+        condensed, before, compliance = self._condensed, self._state, self._compliance
+        dead, live = condensed.loads.dead, condensed.loads.live
+        ties = self._ties.in_step()
+        if not len(ties.most):
+            return condensed.solve(dead, live, compliance=compliance, before=before, reward=reward), ties.before
+        state = condensed.elastic_step(dead, live, compliance, before, reward, ties)
+        if state is not None and state.holds and state.tension is not None:
+            return state, state.tension
 
-    def _step(self, tension: FloatArray, reward: float) -> StressState:
-        """Return the state of a step with these tensions (nt,), N."""
-        live, before = self._condensed.loads.live, self._state
-        return self._condensed.solve(self._dead(tension), live, compliance=self._compliance, before=before, reward=reward)
+        def solved(tension: FloatArray) -> tuple[StressState, FloatArray, float]:
+            under = dead + tension @ ties.pull
+            state = condensed.solve(under, live, compliance=compliance, before=before, reward=reward)
+            change = state.stress - self._stress
+            energy = 0.5 * float(np.einsum("aq,abq,bq->", change, compliance, change)) - reward * state.load
+            return state, state.motion[~condensed.elements.clamped], energy
+
+        return tensions_by_cuts(ties, self._flexibility(ties.pull), solved)
+
+    def _flexibility(self, pull: FloatArray) -> FloatArray:
+        """Return the motions (nt, nt) of ties under unit tensions where nothing yields and the load does no work."""
+        loads = self._condensed.loads
+        scale = loads.weight / self._softness
+        under = scale * np.array([self._elastic(row) for row in pull])
+        moved = under @ loads.live
+        return under @ pull.T - np.outer(moved, moved)
 
     def curve(self, status: Status, message: str, control: int | None, load: LoadCase, seconds: float) -> CapacityCurve:
         """Return what was found."""

@@ -46,8 +46,8 @@ class SolverSettings:
         (`elastic_step`), whose errors add up to some 1e-6 of the load factor. step_margin, step_work, step_corner_work:
         where it begins: slack of the corners that neither open nor bear, in units of force; work of all corners together, as a
         share of the reward; the least work of one corner, likewise, which is more than its part of that where there are many.
-        tie_rounds: at most so many solutions of a step with ties; tie_tension: how far a tension may be from what its elongation
-        says, as a share of the largest strength.
+        tie_rounds: at most so many solutions of a step under given tensions of ties; tie_tension: how far a tension may be from
+        what its elongation says, as a share of the largest tension.
 
     Flow rule with planes, solved at each point by Hildreth's sweeps over the planes:
         flow_sweeps: between two looks at which points still change. flow_rounds: at most so many looks; planes that nearly
@@ -83,7 +83,7 @@ class SolverSettings:
     step_margin: float = 0.005
     step_work: float = 0.25
     step_corner_work: float = 4e-6
-    tie_rounds: int = 12
+    tie_rounds: int = 40
     tie_tension: float = 1e-4
     flow_sweeps: int = 50
     flow_rounds: int = 40
