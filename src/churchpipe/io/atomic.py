@@ -36,7 +36,9 @@ def replacing(path: str | Path) -> Iterator[Path]:
             error.filename, error.filename2 = str(target), None
         raise
     finally:
-        part.unlink(missing_ok=True)
+        # A file system that is read-only refuses that too, which is not what is to be told.
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
 
 
 def remove_parts(folder: Path) -> None:

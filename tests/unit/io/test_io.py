@@ -2,6 +2,7 @@
 
 import csv
 import dataclasses
+import errno
 import json
 import pickle
 from pathlib import Path
@@ -241,6 +242,18 @@ def test_a_writer_that_fails_leaves_the_old_file_and_no_other(tmp_path: Path) ->
         write_half()
     assert target.read_text() == "old"
     assert list(tmp_path.iterdir()) == [target]
+
+
+def test_what_a_file_system_refuses_is_told_with_the_name_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # One that is read-only refuses to delete what is not there, too.
+    def refused(path: Path, *_: object, **__: object) -> None:
+        raise OSError(errno.EROFS, "Read-only file system", str(path))
+
+    monkeypatch.setattr(Path, "write_text", refused)
+    monkeypatch.setattr(Path, "unlink", refused)
+    with pytest.raises(OSError, match="Read-only file system") as found:
+        write_if_changed(tmp_path / "a.txt", "new")
+    assert found.value.filename == str(tmp_path / "a.txt")
 
 
 def test_unchanged_settings_keep_their_date(tmp_path: Path) -> None:
