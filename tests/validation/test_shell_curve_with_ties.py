@@ -7,6 +7,7 @@ import pytest
 
 import churchpipe as cp
 from churchpipe import generators
+from churchpipe.homogenised_shell import ties as tied
 from churchpipe.homogenised_shell.condensed import CondensedShell, StressState
 from churchpipe.homogenised_shell.step_ties import StepTies
 from churchpipe.model.materials import Elastic
@@ -105,3 +106,20 @@ def test_cutting_planes_find_the_same_tensions(name: str, monkeypatch: pytest.Mo
     apart = cp.pushover(between_walls(), ALONG, MASONRY, ties=ties, steps=6)
     assert apart.load_factor == pytest.approx(together.load_factor, rel=1e-4)
     assert apart.tie_forces == pytest.approx(together.tie_forces, abs=2e-5 * between_walls().body_weight.sum())
+
+
+def test_load_factor_whose_last_digits_take_many_analyses(monkeypatch: pytest.MonkeyPatch) -> None:
+    sharp = cp.shell_limit_analysis(between_walls(), ACROSS, MASONRY, ties=SETS["drawn"])
+    assert sharp.upper_bound - sharp.lower_bound <= 1e-6 * sharp.load_factor
+    assert not sharp.message
+    monkeypatch.setattr(tied, "ALL_DIGITS", 1)
+    found = cp.shell_limit_analysis(between_walls(), ACROSS, MASONRY, ties=SETS["drawn"])
+    assert found.status == "optimal"
+    assert found.load_factor <= sharp.upper_bound * (1 + 1e-9)
+    assert found.upper_bound >= sharp.load_factor
+    apart = found.upper_bound - found.lower_bound
+    assert 1e-6 * found.load_factor < apart <= 1e-5 * found.load_factor
+    assert found.message == f"bounds {found.lower_bound:.8g} and {found.upper_bound:.8g}"
+    monkeypatch.setattr(tied, "MOST_ANALYSES", 2)
+    given_up = cp.shell_limit_analysis(between_walls(), ACROSS, MASONRY, ties=SETS["drawn"])
+    assert given_up.status == "not-converged"

@@ -39,8 +39,10 @@ from churchpipe.model.results import ShellLimitState
 from churchpipe.model.shell import ShellModel
 from churchpipe.model.ties import Tie
 
-# Analyses at most; bounds that have not met by then are reported as they are.
-MOST_ANALYSES = 30
+# Analyses at most; bounds that have not met by then are reported as they are. Where several ties stay below their strengths the
+# largest load factor may be as flat as each analysis is sharp: after so many the bounds need not meet to all digits.
+MOST_ANALYSES = 60
+ALL_DIGITS = 30
 # Share of the gap between the bounds that the next analysis aims at.
 _LEVEL = 0.7
 # Tensions left to choose from that differ by less than this share of the strengths are none.
@@ -99,7 +101,7 @@ def tied_analysis(
     cuts.append(first)
     seconds = first.state.seconds
     upper, target, gain = _highest(cuts, most)
-    while upper - _best(cuts).state.load_factor > _tolerance(upper) and len(cuts) < MOST_ANALYSES:
+    while upper - _best(cuts).state.load_factor > _enough(cuts, upper) and len(cuts) < MOST_ANALYSES:
         tried = at(target)
         seconds += tried.state.seconds
         while tried.state.status == "unstable" and np.abs(target - _best(cuts).tension).max() > 1e-9 * most.max():
@@ -110,7 +112,14 @@ def tied_analysis(
         cuts.append(tried)
         upper, target, gain = _highest(cuts, most)
     best = _best(cuts)
-    met = upper - best.state.load_factor <= _tolerance(upper)
+    gap = upper - best.state.load_factor
+    met = gap <= _enough(cuts, upper)
+    if not met:
+        message = f"tensions of the ties not found in {len(cuts)} analyses; {best.state.message}"
+    elif gap > _tolerance(upper):
+        message = f"bounds {best.state.load_factor:.8g} and {upper:.8g}"
+    else:
+        message = ""
     return replace(
         best.state,
         status="optimal" if met else "not-converged",
@@ -118,7 +127,7 @@ def tied_analysis(
         tie_forces=best.tension,
         tie_sensitivity=gain,
         seconds=seconds,
-        message="" if met else f"tensions of the ties not found in {len(cuts)} analyses; {best.state.message}",
+        message=message,
     )
 
 
@@ -164,8 +173,13 @@ def _best(cuts: Sequence[_Cut]) -> _Cut:
     return max(cuts, key=lambda cut: cut.state.load_factor)
 
 
-def _tolerance(upper: float) -> float:
-    return SOLVER.duality_gap * max(abs(upper), SOLVER.least_load_factor)
+def _enough(cuts: Sequence[_Cut], upper: float) -> float:
+    """Return how far apart the bounds may be after so many analyses."""
+    return _tolerance(upper, SOLVER.duality_gap if len(cuts) < ALL_DIGITS else SOLVER.last_digits)
+
+
+def _tolerance(upper: float, share: float = SOLVER.duality_gap) -> float:
+    return share * max(abs(upper), SOLVER.least_load_factor)
 
 
 def _highest(cuts: Sequence[_Cut], most: FloatArray) -> tuple[float, FloatArray, FloatArray]:
