@@ -199,3 +199,20 @@ def test_a_point_load_on_the_corner_of_a_wall_without_cohesion_brings_its_shell_
     assert state.status == "unstable"
     assert "nor a load on the very end of a wall" in state.message
     assert of_stones == pytest.approx(0.2732, abs=1e-3)
+
+
+def test_a_coarse_shell_falls_under_a_load_that_only_presses_down() -> None:
+    """Our own figures of docs/limits.md: stresses that vary linearly in large facets cannot keep to the stones below the load."""
+    masonry = [Material("default", 18e3, 0.6)]
+    building = generators.wall(length=4.0, brick=(0.5, 0.4, 0.25), courses=8, materials=masonry)
+    stones, axle = cp.derive_blocks(building), cp.PointLoad("wall", 2.0, dead=1e3, mass=0.0, name="axle")
+    load = LoadCase(multiplies=["axle"])
+
+    def as_shell(size: float) -> ShellLimitState:
+        model = cp.derive_shell(building, size)
+        return shell_limit_analysis(model, cp.shell_loaded(load, model, stones, [axle]), masonry)
+
+    assert as_shell(1.0).load_factor == pytest.approx(47.93, abs=0.01)
+    assert as_shell(0.5).status == "unbounded"
+    of_stones = cp.limit_analysis(stones, cp.find_contacts(stones), cp.loaded(load, stones, [axle]), 0.6)
+    assert of_stones.status == "unbounded"
