@@ -39,6 +39,8 @@ _APART = 10**3
 _NO_ROOM = re.compile("No space left on device|Disk quota exceeded|Read-only file system")
 # Exit status of a stage that ran out of memory.
 _NO_MEMORY = 3
+# What the engine says of a job that it has noted as finished.
+_NOTED = re.compile(r"Finished jobid: \d+ \(Rule: (\w+)\)")
 # What the engine says of the command of a stage that failed: its name, that of its result, and its exit status.
 _CRASHED = re.compile(r" stage -- (\w+) (\S+) .*returned non-zero exit status (\d+)")
 
@@ -150,7 +152,7 @@ def run(
         with _named(folder / "run.log") as log:
             begin = time.time()
             _order(engine, command(folder, jobs, until, engine.profile)[3:], lock)
-            code = _follow(engine.process, log, follow, heard if engine.profile == LOCAL else _finished)
+            code = _follow(engine.process, log, follow, Noted() if engine.profile == LOCAL else _finished)
         if code and engine.profile != LOCAL:
             # What jobs on other machines said did not pass here.
             errors += _errors(folder, begin, watch)
@@ -241,23 +243,44 @@ def _named(path: Path) -> Iterator[IO[str]]:
         raise
 
 
+class Noted:
+    """News of a run on this machine by the lines of its output. A stage is done when the engine has noted it, some 30 ms after
+    the stage itself says so: a run that is stopped before makes it again."""
+
+    def __init__(self) -> None:
+        self._done: list[Event] = []
+
+    def __call__(self, line: str) -> list[Event]:
+        """Return the news in a line, and what was held back until it."""
+        found, event = _NOTED.search(line), heard(line)
+        told = [done for done in self._done if found and done.stage == found[1]][:1]
+        for done in told:
+            self._done.remove(done)
+        if event and event.kind == "done":
+            self._done.append(event)
+        elif event:
+            told.append(event)
+        return told
+
+
 def _follow(
-    process: "subprocess.Popen[str]", log: IO[str], watch: Callable[[Event], None], news: Callable[[str], Event | None]
+    process: "subprocess.Popen[str]", log: IO[str], watch: Callable[[Event], None], news: Callable[[str], Sequence[Event]]
 ) -> int:
     """Keep what the engine says; return its exit code."""
     for line in process.stdout or ():
         log.write(line)
         log.flush()
-        if event := news(line):
+        for event in news(line):
             watch(event)
     return process.wait()
 
 
-def _finished(line: str) -> Event | None:
+def _finished(line: str) -> list[Event]:
     """Return what the engine says of a job on another machine, whose own news do not pass here."""
-    if found := re.search(r"Finished jobid: \d+ \(Rule: (\w+)\)", line):
-        return Event("done", found[1])
-    return heard(line)
+    if found := _NOTED.search(line):
+        return [Event("done", found[1])]
+    event = heard(line)
+    return [event] if event else []
 
 
 def _errors(folder: Path, begin: float, watch: Callable[[Event], None]) -> list[str]:

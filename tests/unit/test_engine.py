@@ -192,3 +192,15 @@ def test_a_dry_run_does_without_a_place_beside_the_results(monkeypatch: pytest.M
     seen: list[Path] = []
     assert pending(run, lambda copy: seen.extend(copy.iterdir())) == []
     assert [(path.name, path.parents[2]) for path in seen] == [("plan.json", beside)]
+
+
+def test_a_stage_is_done_when_the_engine_has_noted_it() -> None:
+    # A run that is stopped in between makes the stage again: nothing may have said that it was finished.
+    first, second = (engine.Event("done", "sample", name, "", 1.5) for name in ("00001", "00002"))
+    begun = engine.Event("start", "blocks", "base")
+    noted = engine.Noted()
+    lines = [first, begun, "1 of 18 steps", second, "Finished jobid: 3 (Rule: blocks)", "Finished jobid: 7 (Rule: sample)"]
+    told = [noted(line if isinstance(line, str) else engine.say(line)) for line in lines]
+    assert told == [[], [begun], [], [], [], [first]]
+    assert noted("Finished jobid: 9 (Rule: sample)" + engine.say(begun)) == [second, begun]
+    assert noted("Finished jobid: 9 (Rule: sample)") == []
