@@ -1,6 +1,8 @@
 """The one exception that users meet: what is wrong, where, and how to mend it."""
 
+import os
 import re
+from pathlib import Path
 from typing import Any
 
 # Halves of a character beyond the first 65536, as a text cut in two leaves them: no file can hold them.
@@ -68,6 +70,13 @@ class InputError(ValueError):
     def at(self, where: str) -> "InputError":
         """Return the same error of another place."""
         return InputError(where, self.problem, found=self.found, expected=self.expected, remedy=self.remedy)
+
+    def within(self, folder: Path) -> "InputError":
+        """Return the same error, with the whole path of a file in that folder which it names from there."""
+        path = os.path.join(folder, self.where)
+        # One that could not be written is not there.
+        named = os.path.isfile(path) or ("/" in self.where and os.path.isdir(os.path.dirname(path)))
+        return self.at(path) if named else self
 
 
 def _again(kind: type[InputError], arguments: tuple[Any, ...]) -> InputError:

@@ -114,7 +114,7 @@ class Reporter:
         try:
             work(*arguments, **({"progress": self.progress} if takes_progress else {}))
         except InputError as error:
-            self._send("error", str(error))
+            self._send("error", str(error.within(Path.cwd())))
             return 1
         except OSError as error:
             if error.errno not in _NO_PLACE:

@@ -98,6 +98,29 @@ def test_a_disk_that_is_full_is_said() -> None:
         Reporter("rigid", "+x", stream).run(broken, takes_progress=False)
 
 
+def test_a_stage_names_files_of_its_run_as_they_are_found_from_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("shell", "geometry/base"):
+        Path(name).mkdir(parents=True)
+    Path("settings.json").write_text("{")
+
+    def said(where: str) -> str:
+        def work() -> None:
+            raise InputError(where, "damaged")
+
+        stream = io.StringIO()
+        assert Reporter("rigid", "+x", stream).run(work, takes_progress=False) == 1
+        news = engine.heard(stream.getvalue().splitlines()[-1])
+        assert news
+        return news.text
+
+    for where in ("settings.json", "geometry/base/contacts.npz"):
+        assert said(where) == f"{tmp_path / where}: damaged."
+    # What else is called as a folder, a file that is named whole, and what is no path.
+    for where in ("shell", "/nowhere/a.npz", "material.default.friction", "x" * 5000, "load x/y"):
+        assert said(where) == f"{where}: damaged."
+
+
 def test_a_folder_and_a_pipe_are_no_cases(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe.toml"
     os.mkfifo(pipe)
