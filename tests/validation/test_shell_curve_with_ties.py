@@ -83,6 +83,27 @@ def test_curve_ends_on_the_limit_load(name: str, load: cp.LoadCase) -> None:
     assert curve.tie_forces[-1] == pytest.approx(tension, rel=1e-5, abs=1e-5 * most)
 
 
+def test_a_tie_that_breaks_is_told() -> None:
+    whole = tie("bar", 2.0, 2.6, 4e-6)
+    brittle = cp.Tie("bar", whole.start, whole.end, strength=whole.strength, stiffness=whole.stiffness, ultimate=1e-3)
+    curve = cp.pushover(between_walls(), ACROSS, MASONRY, ties=[brittle])
+    without = cp.pushover(between_walls(), ACROSS, MASONRY)
+    held = int((curve.tie_forces[:, 0] > 0).sum())
+    at = 1e3 * curve.steps[held].displacement
+    assert curve.message == f"tie bar broke at a displacement of {at:.3g} mm"
+    assert (curve.tie_forces[held + 1 :] == 0).all()
+    assert curve.load_factor[-1] == pytest.approx(without.plateau, rel=1e-3)
+
+
+def test_pretension_that_pulls_a_wall_down_is_named() -> None:
+    tight = tie("bar", 2.0, 2.6, 4e-4, pretension=2e4)
+    curve = cp.pushover(between_walls(), ACROSS, MASONRY, ties=[tight])
+    assert curve.status == "unstable"
+    assert curve.message.startswith("the dead load and the pretension of the ties bring it down")
+    slack = cp.shell_limit_analysis(between_walls(), ACROSS, MASONRY, ties=[tight])
+    assert slack.status == "optimal"
+
+
 def test_without_cracks_the_tensions_grow_with_the_load() -> None:
     firm = [cp.Material("default", 18e3, 0.6, 1e7, MASONRY[0].elastic)]
     pulled = cp.LoadCase((1, 0, 0), panels=("east",))

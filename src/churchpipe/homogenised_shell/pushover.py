@@ -43,6 +43,10 @@ from churchpipe.model.ties import Tie
 from churchpipe.wording import counted
 
 Progress = Callable[[CapacityStep], None]
+_PULLED = (
+    "the dead load and the pretension of the ties bring it down, which a limit analysis leaves out: give the ties less, or none. "
+    "Without any, "
+) + FALLS.replace("the dead load alone brings it down", "the dead load alone may bring it down")
 
 
 def pushover(
@@ -130,6 +134,7 @@ class _Path:
         self._moved: list[FloatArray] = []
         self._steps: list[CapacityStep] = []
         self._tensions: list[FloatArray] = []
+        self._lost: list[str] = []
 
     def stand(self, progress: Progress | None) -> tuple[Status, str]:
         """Apply the dead load."""
@@ -139,7 +144,7 @@ class _Path:
         if state.status == "infeasible":
             fall = state.motion
             self._motion = fall / float(dead @ fall[~self._condensed.elements.clamped])
-            return "unstable", FALLS
+            return "unstable", _PULLED if self._ties.tension.any() else FALLS
         if not (state.balanced and state.gap <= SOLVER.standing):
             return "failed", f"dead load not decided: {_reason(state)}"
         self._accept(state, 0.0, 0.0, begin, progress)
@@ -160,9 +165,10 @@ class _Path:
                 length *= SOLVER.shrink
                 longest = length
                 continue
-            self._ties.accept(state, tension)
+            broken = self._ties.accept(state, tension)
             rise, before = state.load - factor, travelled
             travelled, factor = travelled + length, state.load
+            self._lost += [f"tie {name} broke at a displacement of {1e3 * travelled * self._softness:.3g} mm" for name in broken]
             self._accept(state, travelled * self._softness, factor, begin, progress)
             if before > 0 and travelled >= SOLVER.longer * before and abs(rise) <= SOLVER.plateau * abs(factor):
                 return "converged", ""
@@ -225,7 +231,7 @@ class _Path:
             tie_forces=np.array(self._tensions).reshape(len(self._steps), len(self._ties)),
             status=status,
             seconds=seconds,
-            message=message,
+            message="; ".join(filter(None, (*self._lost, message))),
         )
 
     def _accept(self, state: StressState, displacement: float, factor: float, begin: float, progress: Progress | None) -> None:

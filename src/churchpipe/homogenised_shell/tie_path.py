@@ -28,6 +28,7 @@ class TiePath:
             if tie.stiffness is None:
                 expected = "E A / L, N/m, as `place_ties` gives it"
                 raise InputError(f"tie {tie.name}: stiffness", "a capacity curve needs it", found=None, expected=expected)
+        self._names = [tie.name for tie in ties]
         self._pull = np.zeros((len(ties), elements.unknowns))
         for row, tie in zip(self._pull, ties, strict=True):
             row[:] = body_forces(elements, unit_tension(shell, tie))
@@ -61,15 +62,16 @@ class TiePath:
             before=self.tension[pulls] / self._weight,
         )
 
-    def accept(self, state: StressState, tension: FloatArray) -> None:
-        """Take a step and its tensions, of the ties that `in_step` returned, over the weight."""
-        pulls = self._pulls
+    def accept(self, state: StressState, tension: FloatArray) -> list[str]:
+        """Take a step and its tensions, of the ties that `in_step` returned, over the weight; return the ties that it broke."""
+        pulls, whole = self._pulls, ~self._broken
         self.tension = np.zeros(len(self))
         self.tension[pulls] = self._weight * tension
         self._elongation = self._elongation - self._softness * (self._pull @ state.motion)
         elastic = self._drawn + self._elongation - self._flowed
         self._flowed = self._flowed + np.maximum(elastic - self._most / self._stiffness, 0.0)
         self._broken = self._broken | (self._elongation >= self._ultimate)
+        return [self._names[tie] for tie in np.flatnonzero(whole & self._broken)]
 
     @property
     def _pulls(self) -> NDArray[np.bool_]:
