@@ -165,6 +165,9 @@ class _Path:
                 length *= SOLVER.shrink
                 longest = length
                 continue
+            if (share := self._ties.until_broken(state)) < 1 and length * share >= SOLVER.shortest * SOLVER.first_step:
+                length *= share
+                continue
             broken = self._ties.accept(state, tension)
             rise, before = state.load - factor, travelled
             travelled, factor = travelled + length, state.load

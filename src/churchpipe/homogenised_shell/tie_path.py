@@ -14,6 +14,9 @@ from churchpipe.homogenised_shell.ties import unit_tension
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.ties import Tie
 
+# A step may stretch a tie beyond the elongation at which it breaks by this share of it: until its end the tie still pulls.
+_BEYOND = 0.01
+
 
 class TiePath:
     """The ties of a pushover so far.
@@ -61,6 +64,15 @@ class TiePath:
             most=self._most[pulls] / self._weight,
             before=self.tension[pulls] / self._weight,
         )
+
+    def until_broken(self, state: StressState) -> float:
+        """Return the share of a step after which its first tie breaks, 1 where none is stretched by much more than it bears."""
+        longer = -self._softness * (self._pull @ state.motion)
+        most = (1 + _BEYOND) * self._ultimate - self._elongation
+        over = self._pulls & (longer > most)
+        # To the middle of what is allowed beyond, so that the tie has broken then.
+        aim = most[over] - 0.5 * _BEYOND * self._ultimate[over]
+        return float((aim / longer[over]).min(initial=1.0))
 
     def accept(self, state: StressState, tension: FloatArray) -> list[str]:
         """Take a step and its tensions, of the ties that `in_step` returned, over the weight; return the ties that it broke."""
