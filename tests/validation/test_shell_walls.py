@@ -216,3 +216,13 @@ def test_a_coarse_shell_falls_under_a_load_that_only_presses_down() -> None:
     assert as_shell(0.5).status == "unbounded"
     of_stones = cp.limit_analysis(stones, cp.find_contacts(stones), cp.loaded(load, stones, [axle]), 0.6)
     assert of_stones.status == "unbounded"
+
+
+@pytest.mark.parametrize("load", [ALONG, OUT])
+def test_a_stack_without_cohesion_stands_on_an_edge(load: LoadCase) -> None:
+    """docs/shell_results.md: its shell has no tension along the beds, and so no load factor above zero, nor one below."""
+    masonry = [Material("default", 18e3, 0.6)]
+    building = generators.wall(length=4.0, brick=(0.5, 0.5, 0.25), courses=12, pattern="stack", materials=masonry)
+    state = shell_limit_analysis(cp.derive_shell(building, 1.0), load, masonry)
+    assert str(state.load_factor) == "0.0"
+    assert state.message.startswith("the dead load stands as on an edge, and no push is carried")

@@ -35,6 +35,12 @@ FALLS = (
     "end of a wall; openings need lintels that do not yield, or arches, and a point load needs the middle of a stone below it"
 )
 
+# Its bounds are zero but for rounding, whose sign says nothing.
+ON_AN_EDGE = (
+    "the dead load stands as on an edge, and no push is carried, however small: in stack bond without cohesion nothing holds the "
+    "stones of a course together"
+)
+
 
 def shell_limit_analysis(
     shell: ShellModel,
@@ -166,6 +172,8 @@ def _decided(elements: ShellElements, found: Bounds) -> ShellLimitState:
     agree = found.agree(SOLVER.last_digits, SOLVER.least_load_factor)
     if found.outcome == "unbounded" or (agree and found.lintels > SOLVER.lintel_dissipation * found.upper):
         return _state(elements, found, "unbounded", "no lateral load of this kind brings it down")
+    if agree and abs(found.upper) <= SOLVER.duality_gap * SOLVER.least_load_factor:
+        return replace(_state(elements, found, "optimal", ON_AN_EDGE), load_factor=0.0)
     message = ""
     if not found.agree(SOLVER.duality_gap, SOLVER.least_load_factor) or found.outcome != "solved":
         message = f"bounds {found.lower:.8g} and {found.upper:.8g}" + (f"; {found.message}" if found.message else "")
