@@ -98,7 +98,7 @@ _ASK_FOR_IT = 'Ask for that value: flow = ["associative", "non-associative"] und
 # Why load factors of one structure differ, by the kind of analysis.
 _REASONS = {
     "associative": "In an associative analysis joints open as they slide (dilatancy): its load factor is an upper estimate.",
-    "non-associative": "In a non-associative one they slide without opening, as in reality; its load factor is one of an interval.",
+    "non-associative": "In a non-associative one they slide without opening, as in reality; its load factor is one of several.",
     "shell": "The shell is associative too. It has infinitely small stones, cracks as wide as an element, and walls that meet on "
     "their mid-planes, so that it may err to either side.",
     "cohesion": "Joints with cohesion bear tension in the shell (up to the cohesion over the friction coefficient) and none "
