@@ -255,5 +255,7 @@ def test_a_case_has_storeys_and_names_the_line_of_one_that_cannot_be(tmp_path: P
     assert {panel.name: panel.thickness for panel in building.panels}["south storey 2"] == 0.35
     assert "south storey 2" in building.macro_elements
     path.write_text(text.replace("above_m = 3.0", "above_m = 3.1"), encoding="utf-8")
-    with pytest.raises(InputError, match=r"line \d+, wall south: storeys\.0\.above: not a whole number of courses"):
+    with pytest.raises(
+        InputError, match=r"line \d+, source\.walls\.0: wall south: storeys\.0\.above: not a whole number of courses"
+    ):
         cp.read_case(path).building()

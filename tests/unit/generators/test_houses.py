@@ -325,10 +325,14 @@ def test_what_does_not_fit_is_named(given: dict[str, Any], said: str) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("end_m = [9.0, 0.0]", "end_m = [9.0, 1.0]", r"line \d+, wall south: end: neither along x nor along y"),
-        ('wall = "south"\ncentre', 'wall = "attic"\ncentre', r"line \d+, house: opening door: no such wall"),
-        ("start_m = [5.0, 0.0]", "start_m = [5.0, 0.6]", r"line \d+, wall inner: end: all but meets the wall south"),
-        ("# height_m = 3.0", 'material = "brick"', r"line \d+, wall inner\.material: unknown material"),
+        ("end_m = [9.0, 0.0]", "end_m = [9.0, 1.0]", r"line \d+, source\.walls\.0: wall south: end: neither along x nor along y"),
+        ('wall = "south"\ncentre', 'wall = "attic"\ncentre', r"line \d+, source\.openings\.0: house: opening door: no such wall"),
+        (
+            "start_m = [5.0, 0.0]",
+            "start_m = [5.0, 0.6]",
+            r"line \d+, source\.walls\.4: wall inner: end: all but meets the wall south",
+        ),
+        ("# height_m = 3.0", 'material = "brick"', r"line \d+, source\.walls\.4: wall inner\.material: unknown material"),
     ],
 )
 def test_a_case_names_the_line_of_the_wall_or_opening(old: str, new: str, said: str, tmp_path: Path) -> None:
