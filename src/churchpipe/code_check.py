@@ -259,6 +259,7 @@ def verified(found: SafetyCheck, site: Site) -> SafetyCheck:
         soil_factor=site.soil,
         q=site.behaviour_factor,
         demand=ground,
+        floor_height=site.floor.height if site.floor else found.floor_height,
         floor_demand=floor if site.floor else found.floor_demand,
         a_g_slv=index * site.ground_acceleration,
         zeta_e=index,
@@ -288,6 +289,25 @@ def floor_questions(checks: Iterable[tuple[str, Check | None]]) -> list[str]:
     return [
         f"{heights} above the foot of the building, which shakes more there than on the ground, and the check is that of the "
         "ground alone: a table [check.floor] adds what the building below does. Is it left out on purpose?"
+    ]
+
+
+def low_floor_questions(checks: Iterable[tuple[str, Check | None]]) -> list[str]:
+    """Return what to ask about mechanisms that begin higher than the floor that shakes them, since a_Z grows with its height.
+
+    The foot of the model lies on the foundation or above it, so that Z is no less than where a mechanism begins above that foot.
+
+    checks: each with the name of its load; of variants, too, whose floor may be another.
+    """
+    low: dict[tuple[str, float], float] = {}
+    for load, found in checks:
+        if isinstance(found, SafetyCheck) and found.begins - found.floor_height >= _ABOVE:
+            key = load, found.floor_height
+            low[key] = max(low.get(key, 0.0), found.begins)
+    return [
+        f"What moves under {load} begins {begins:.2f} m above the foot of the building, and check.floor.height_m is {given:g} m. "
+        "The floor of the check shakes less than what moves does, and the check is not safe. Is it meant?"
+        for (load, given), begins in low.items()
     ]
 
 

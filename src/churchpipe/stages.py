@@ -293,7 +293,7 @@ def sample(settings: Path, file: Path, record: Path, *shared: Path) -> None:
 def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None) -> None:
     """All analyses of a plan -> summary.json and table.csv; those of all samples -> samples.csv."""
     from churchpipe import compare as results
-    from churchpipe.code_check import floor_questions
+    from churchpipe.code_check import floor_questions, low_floor_questions
     from churchpipe.config.plausible import unanswered
     from churchpipe.model.sizes import size_questions
     from churchpipe.run_folder import read_run
@@ -306,6 +306,7 @@ def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None)
     write_table(table, analyses)
     sizes_asked = (text for name in run.index["geometries"] for text in size_questions(run.stones(name)[0]))
     begun = floor_questions((record.load, record.check) for record in analyses if record.variant is None)
+    begun += low_floor_questions((record.load, record.check) for record in analyses)
     asked = list(dict.fromkeys([*unanswered(run.index["questions"]), *sizes_asked, *run.ground_questions(), *begun]))
     study = None
     if samples:

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from churchpipe.code_check import Floor, Site, activation, along, floor_questions, verified
+from churchpipe.code_check import Floor, Site, activation, along, floor_questions, low_floor_questions, verified
 from churchpipe.compare import safety
 from churchpipe.errors import InputError
 from churchpipe.model.assemblage import Assemblage
@@ -78,6 +78,20 @@ def test_where_a_mechanism_begins() -> None:
     assert not floor_questions(
         [("-x", check(column(4), 0.7, site)), ("+x", check(stones, 0.7, floored)), ("+x", check(stones, 0.7))]
     )
+
+
+def test_a_floor_below_where_a_mechanism_begins() -> None:
+    # The stone on two courses turns over 2 m above the ground: a_Z = S_e gamma Z / H at .5 m is a quarter of what is due.
+    stones = on_ground(box((-2, 3), (0, 1), (0, 1)), box((-2, 3), (0, 1), (1, 2)), box((0, 1), (0, 1), (2, 6)))
+    low, due = (check(stones, 0.7, Site(1.5, soil_factor=1.2, floor=Floor(z, 6.0, 2, 9.0))) for z in (0.5, 2.0))
+    assert low.floor_demand == pytest.approx(due.floor_demand / 4)
+    assert low.zeta_e > due.zeta_e
+    [question] = low_floor_questions([("+x", low), ("+x", due), ("+x", low), ("-x", None)])
+    assert question.startswith("What moves under +x begins 2.00 m above the foot of the building")
+    assert "check.floor.height_m is 0.5 m" in question
+    # The model may be the upper part of a building, so that a floor above where the mechanism begins in it asks nothing.
+    higher = check(stones, 0.7, Site(1.5, soil_factor=1.2, floor=Floor(5.0, 6.0, 2, 9.0)))
+    assert not low_floor_questions([("+x", higher), ("+x", check(stones, 0.7, Site(1.5, soil_factor=1.2)))])
 
 
 def test_two_stones_by_hand() -> None:

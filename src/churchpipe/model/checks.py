@@ -50,7 +50,7 @@ class SafetyCheck(Check):
 
     a0: spectral acceleration a0* that activates the mechanism, with e* of the stones; a0_lumped: alpha0 g / FC, with e* = 1,
     which is never larger. moving_stones: their number; begins: height of the lowest corner of them above that of the building.
-    demand: a_g S / q; floor_demand: a_Z / q, of a mechanism above the ground.
+    demand: a_g S / q; floor_height: Z that the case gives for a mechanism above the ground; floor_demand: a_Z / q.
     zeta_e_lc1: zeta_e with the confidence factor of the lowest knowledge level, where FC is another.
     """
 
@@ -61,6 +61,7 @@ class SafetyCheck(Check):
     soil_factor: float = math.nan
     q: float = math.nan
     demand: _Acceleration = math.nan
+    floor_height: _Length = math.nan
     floor_demand: _Acceleration = math.nan
     zeta_e_lc1: float = math.nan
 

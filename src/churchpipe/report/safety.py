@@ -35,6 +35,7 @@ SITE = (
     ("S", "soil factor", "soil_factor", 2),
     ("q", "behaviour factor", "q", 1),
     ("a_g S / q, m/s\u00b2", "demand at the ground", "demand", 3),
+    ("Z, m", "height of the mechanism above the foundation, as the case gives it", "floor_height", 2),
     ("a_Z / q, m/s\u00b2", "demand at the height of the mechanism", "floor_demand", 3),
     ("a_g,SLV, m/s\u00b2", "ground acceleration that the mechanism withstands, with e* = 1", "a_g_slv", 3),
     ("\u03b6_E", "a_g,SLV over a_g, with e* = 1", "zeta_e", 2),
