@@ -355,9 +355,9 @@ def _movement(record: Movement) -> str:
         return f"Support {name}: it could not be moved, {record.message or record.ending}"
     (ultimate, unit), (places, _) = in_unit(record, "ultimate"), in_unit(record, "displacement")
     far = ultimate if math.isfinite(ultimate) else next(iter(places[-1:]), 0.0)
-    wide = [crack for crack in record.cracks[:1] if crack.opening > _SHUT]
-    widest = "".join(f"{three_figures(1e3 * crack.opening)} mm in {crack.place}" for crack in wide)
-    return f"Support {name}: at {far:.4g} {unit} {ENDINGS[record.ending]}; widest crack {widest or 'none'}{_reaction(record)}"
+    widest = [f"{three_figures(1e3 * crack.opening)} mm in {crack.place}" for crack in record.cracks if crack.opening > _SHUT]
+    told = f"widest crack {(widest or ['none'])[0]}{_reaction(record)}"
+    return f"Support {name}: at {far:.4g} {unit} " + "; ".join((ENDINGS[record.ending], told, *record.left_out))
 
 
 def _reaction(record: Movement) -> str:

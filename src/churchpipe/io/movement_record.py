@@ -75,6 +75,11 @@ class Movement:
     geometry: str | None = None
     swept: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def left_out(self) -> list[str]:
+        """What of the case the movement does without, as its message says it: ties, cohesion."""
+        return [remark for remark in self.message.split("; ") if remark.endswith("left out")]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shift(Movement):

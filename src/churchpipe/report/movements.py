@@ -66,8 +66,7 @@ def _sentence(record: Movement, path: SettlementPath) -> str:
         )
     end = f". At {movement[-1]:.4g} {length} {ENDINGS[path.status]}"
     fallen = f". Stones that fell on the way: {', '.join(record.fallen_stones)}" if record.fallen_stones else ""
-    lost = [remark for remark in record.message.split("; ") if remark.endswith("left out")]
-    return " ".join([f"{words}{end}{fallen}.", *(f"{remark[0].upper()}{remark[1:]}." for remark in lost)])
+    return " ".join([f"{words}{end}{fallen}.", *(f"{remark[0].upper()}{remark[1:]}." for remark in record.left_out)])
 
 
 def _reaction_svg(record: Movement) -> str:

@@ -617,6 +617,10 @@ def test_show_tells_what_moves_and_what_the_check_finds(capsys: pytest.CaptureFi
         assert text in out
     assert "Support pier: at 87.2 mm the stones hold the support fast; widest crack 12 mm in nave" in out
     assert "12 mm in nave; as it begins to move it must resist with 9 kN without dilatancy, 8 kN at the least" in out
+    # It stands for a building with its ties, and is followed without them: that is said here, too.
+    without = movement | {"message": "the stones hold it; ties are left out"}
+    write_json(tmp_path / "summary.json", summary | {"movements": [without]})
+    assert "8 kN at the least; ties are left out\n" in call(capsys, "show", tmp_path)[1]
     pushed = movement | {"least_reaction_kN": -2.0, "reaction_kN": [-1.5]}
     write_json(tmp_path / "summary.json", summary | {"movements": [pushed]})
     assert "it must be pushed with 2 kN at most (1.5 kN without dilatancy)" in call(capsys, "show", tmp_path)[1]
