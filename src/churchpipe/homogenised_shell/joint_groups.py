@@ -11,6 +11,9 @@ from churchpipe.model.joint_group import JointGroup
 from churchpipe.model.materials import JointStrength, by_name
 from churchpipe.model.shell import ShellModel
 
+# Heights closer than this are the same, m.
+_WHOLE = 1e-6
+
 
 def shell_joint_groups(
     shell: ShellModel, materials: Sequence[JointStrength], groups: Sequence[JointGroup]
@@ -25,7 +28,9 @@ def shell_joint_groups(
         Strength of the joints of each masonry, by name.
     groups
         Of walls, between heights, or both; or between a wall and the ring beam on it. Of two that pick a facet, the one listed
-        later rules.
+        later rules. Facets that lie only in part between the heights, and those that touch them, have the lesser strength of
+        the group and of their own: a weak joint, such as a damp course, then runs through from end to end, and what slides on
+        it is not held by the teeth of the mesh.
 
     Raises
     ------
@@ -47,18 +52,31 @@ def shell_joint_groups(
             raise InputError(
                 where, "not in the shell", found=found, expected=expected, remedy="Rigid blocks take them as they are."
             )
-        z = shell.centroid[:, 2]
-        chosen = np.isin(shell.panel, group.walls) if group.walls else np.ones(len(z), dtype=np.bool_)
-        chosen &= (z > (-np.inf if group.above is None else group.above)) & (z < (np.inf if group.below is None else group.below))
+        z = shell.points[shell.triangles, 2]
+        low, high = z.min(axis=1), z.max(axis=1)
+        above, below = -np.inf if group.above is None else group.above, np.inf if group.below is None else group.below
+        named = np.isin(shell.panel, group.walls) if group.walls else np.ones(len(z), dtype=np.bool_)
+        chosen = named & (high > above + _WHOLE) & (low < below - _WHOLE)
+        whole = chosen & (low >= above - _WHOLE) & (high <= below + _WHOLE)
         if beam is not None:
             chosen &= np.isin(shell.panel, group.named) & (shell.beams.bearing == shell.beams.name.tolist().index(beam))
         if not chosen.any():
             raise InputError(where, "no such facet", expected="walls and heights that the shell has")
         given = {key: value for key in ("friction", "cohesion") if (value := getattr(group, key)) is not None}
-        for name in np.unique(names[chosen]).tolist():
-            other = f"{name}, {group.name}"
-            known[other] = replace(_known(known, name), name=other, **given)
-            names = np.where(chosen & (names == name), other, names)
+        before = names
+        if beam is None:
+            chosen = named & np.isin(shell.triangles, shell.triangles[chosen]).any(axis=1)
+        for name in np.unique(before[chosen]).tolist():
+            own = _known(known, name)
+            lesser = {key: min(value, getattr(own, key)) for key, value in given.items()}
+            for other, strength, here in (
+                (f"{name}, {group.name}", given, chosen & whole),
+                (f"{name}, {group.name} in part", lesser, chosen & ~whole),
+            ):
+                mine = here & (before == name)
+                if mine.any() and any(getattr(own, key) != value for key, value in strength.items()):
+                    known[other] = replace(own, name=other, **strength)
+                    names = np.where(mine, other, names)
     return replace(shell, material=names), tuple(known.values())
 
 
