@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from churchpipe.code_check import is_horizontal
 from churchpipe.config.carries import KINDS, LOADS, plain
 from churchpipe.config.distributions import quantile
 from churchpipe.config.overrides import value_at
@@ -128,9 +129,9 @@ def _of_case(case: "Case") -> Iterator[str]:
 
 def _of_directions(case: "Case") -> Iterator[str]:
     """Yield what to ask where an earthquake is checked that comes from one side only, or from none."""
-    pushes = [load for load in case.loads if load.direction[:2].any()] if case.check is not None else []
+    pushes = [load for load in case.loads if is_horizontal(load.direction)] if case.check is not None else []
     if case.check is not None and not pushes:
-        yield "The check is of an earthquake, and no load pushes sideways, so that none is made. Is it left out on purpose?"
+        yield "The check is of an earthquake, and no load pushes level, so that none is made. Is it left out on purpose?"
     lone = [load.name for load in pushes if not any(_opposite(load, other) for other in pushes)]
     if lone:
         ways = "direction" if len(lone) == 1 else "directions"

@@ -53,7 +53,10 @@ def test_a_check_that_no_load_is_made_for_is_questioned(tmp_path: Path) -> None:
     path = tmp_path / "w.toml"
     path.write_text(CASE.format(**SOUND))
     [question] = questions([read_case(path, ["load=[{direction=[0,0,1]}]"])])
-    assert question.startswith("The check is of an earthquake, and no load pushes sideways, so that none is made.")
+    assert question.startswith("The check is of an earthquake, and no load pushes level, so that none is made.")
+    # A load that lifts as well has no check, and so lacks none of the opposite direction.
+    [question] = questions([read_case(path, ["load=[{direction=[0,1,0.5]}]"])])
+    assert question.startswith("The check is of an earthquake")
 
 
 def test_a_load_that_is_more_weight_is_questioned(tmp_path: Path) -> None:
