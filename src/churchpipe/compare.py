@@ -94,7 +94,7 @@ _FEW_LINES = 3
 # A capacity curve starts above the state without dilatancy by these shares at most, the larger one where the interval is wide.
 _START, _ABOVE = 0.005, 0.015
 _OTHER_MOTION = "So it follows another motion, and a check by displacements that is made of it may be too favourable."
-_ASK_FOR_IT = 'Ask for that value: flow = ["associative", "non-associative"] under [rigid].'
+_ASK_FOR_IT = 'Ask for the value without dilatancy: flow = ["associative", "non-associative"] under [rigid].'
 # Why load factors of one structure differ, by the kind of analysis.
 _REASONS = {
     "associative": "In an associative analysis joints open as they slide (dilatancy): its load factor is an upper estimate.",
@@ -164,8 +164,7 @@ def _of_vaults(asked: Sequence[Sequence[Analysis]], names: Sequence[str]) -> lis
     if not lacking:
         return [start + "Use the load factors without dilatancy (non-associative)."]
     loads = ", ".join(dict.fromkeys(lacking))
-    remedy = 'Ask for the value without dilatancy: flow = ["associative", "non-associative"] under [rigid].'
-    return [f"{start}So the load factors of load {loads} are upper estimates, which may be far too large. {remedy}"]
+    return [f"{start}So the load factors of load {loads} are upper estimates, which may be far too large. {_ASK_FOR_IT}"]
 
 
 def _advice(records: Sequence[Analysis]) -> str:
@@ -202,7 +201,8 @@ def _of_curves(analyses: Sequence[Analysis]) -> list[str]:
                 start = f"{_load_words(least)}: its capacity curve starts at {most:z.4f}, above {least.load_factor:z.4f} "
                 said.append(f"{start}({_kind(least)}). {_OTHER_MOTION}")
         elif known and proved and min(proved) < min(record.load_factor for record in known) * (1 - _START):
-            start = f"{_load_words(known[0])}: its capacity curve, which is without dilatancy, starts lower, at "
+            tied = " and begins with no more in its ties than their pretension" if any(one.tie_forces for one in known) else ""
+            start = f"{_load_words(known[0])}: its capacity curve, which is without dilatancy{tied}, starts lower, at "
             said.append(f"{start}{min(proved):z.4f}. {_ASK_FOR_IT}")
     more = counted(len(said) - _FEW_LINES, "other curve starts", "other curves start")
     return said[:_FEW_LINES] + ([f"{more} lower or higher, too."] if len(said) > _FEW_LINES else [])

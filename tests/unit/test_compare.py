@@ -8,6 +8,7 @@ import pytest
 from churchpipe.compare import bad_news, careful_first, contact_models, guidance, overlap, pairs
 from churchpipe.generators import box
 from churchpipe.io.records import Analysis
+from churchpipe.io.tie_records import TieForce
 from churchpipe.match import Match
 from churchpipe.model.materials import Material
 from churchpipe.shell_mesh.shell import derive_shell
@@ -147,6 +148,17 @@ def test_a_capacity_curve_that_starts_lower_is_told_of() -> None:
     assert not guidance([tower[0], replace(curve, load_factor=0.739)])
     many = [replace(one, load=str(number)) for number in range(5) for one in (tower[0], curve)]
     assert guidance(many)[-1] == "2 other curves start lower or higher, too."
+
+
+def test_a_capacity_curve_that_starts_lower_by_its_ties_is_no_measure_of_dilatancy() -> None:
+    # Two walls that turn over, .5 and 1 m thick, with joists between them: no joint slides, and the load factor is .2585 without
+    # dilatancy, too. The curve begins with the thin wall alone, .1518, and climbs as the joists stretch.
+    joist = TieForce("floor 1", 3.3e3, 3.3e3, 1.0, True, "friction at its bearings", 1e-6)
+    walls = replace(analysed(0.2585, flow="associative"), tie_forces=(joist,))
+    curve = replace(analysed(0.1518, status="converged", method="curve"), model="rigid-block")
+    [said] = guidance([walls, curve])
+    assert "without dilatancy and begins with no more in its ties than their pretension, starts lower, at 0.1518. Ask for" in said
+    assert "that value" not in said
 
 
 def test_a_capacity_curve_that_starts_above_the_value_without_dilatancy_is_told_of() -> None:
