@@ -62,7 +62,9 @@ class TieIterate:
         self._ties = ties
         inside = _INSIDE * ties.most
         self.tension: FloatArray = np.clip(ties.before, inside, ties.most - inside)
-        self._low, self._high = product / self.tension, product / (ties.most - self.tension)
+        # What is left to the strength is kept by itself: as a difference it would be lost to rounding near the strength.
+        self._left: FloatArray = ties.most - self.tension
+        self._low, self._high = product / self.tension, product / self._left
 
     def __len__(self) -> int:
         return len(self.tension)
@@ -70,12 +72,12 @@ class TieIterate:
     @property
     def products(self) -> float:
         """Sum of the products at all bounds."""
-        return float(self._low @ self.tension + self._high @ (self._ties.most - self.tension))
+        return float(self._low @ self.tension + self._high @ self._left)
 
     @property
     def softness(self) -> FloatArray:
         """Compliances (nt,) with those of the bounds."""
-        return self._ties.compliance + self._low / self.tension + self._high / (self._ties.most - self.tension)
+        return self._ties.compliance + self._low / self.tension + self._high / self._left
 
     def misfit(self, motion: FloatArray) -> FloatArray:
         """Return by how much elongations (nt,) and tensions do not fit."""
@@ -90,9 +92,8 @@ class TieIterate:
     def answer(self, tension: FloatArray, aim: FloatArray) -> tuple[TieWay, float]:
         """Return the direction whose products aim there with changes of tension (nt,), and the rate at which a bound is met."""
         low, high = self._ways(aim)
-        slack = self._ties.most - self.tension
-        way = TieWay(tension, low - self._low / self.tension * tension, high + self._high / slack * tension)
-        rates = (-way.tension / self.tension, way.tension / slack, -way.low / self._low, -way.high / self._high)
+        way = TieWay(tension, low - self._low / self.tension * tension, high + self._high / self._left * tension)
+        rates = (-way.tension / self.tension, way.tension / self._left, -way.low / self._low, -way.high / self._high)
         return way, float(np.max(rates, initial=0.0))
 
     def second_order(self, way: TieWay, target: float) -> FloatArray:
@@ -101,10 +102,10 @@ class TieIterate:
 
     def move(self, way: TieWay, length: float) -> None:
         """Go so far along a direction."""
-        self.tension = self.tension + length * way.tension
+        self.tension, self._left = self.tension + length * way.tension, self._left - length * way.tension
         self._low, self._high = self._low + length * way.low, self._high + length * way.high
 
     def _ways(self, aim: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the changes of the multipliers that take the products to their aim (2, nt) at these tensions."""
         low, high = aim
-        return low / self.tension - self._low, high / (self._ties.most - self.tension) - self._high
+        return low / self.tension - self._low, high / self._left - self._high

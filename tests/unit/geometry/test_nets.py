@@ -1,6 +1,5 @@
 """Nets of lines drawn by hand: of random masonry, whose lines meet three at a place, no stone is lost and none is added."""
 
-import time
 from itertools import pairwise
 
 import numpy as np
@@ -188,9 +187,7 @@ def test_many_ends_of_one_place_move_no_farther_than_they_miss_each_other(count:
 @pytest.mark.parametrize("off", [0.0, 1e-4, 1e-3])
 def test_of_very_many_lines_of_one_place_no_wedge_is_lost_in_silence(off: float) -> None:
     # A rim of 7.9 mm between every two lines of 2 m: within each wedge there is room for a circle of 3.9 mm in radius.
-    start = time.process_time()
     net = net_of(fan(1600, off, 0), [])
-    assert time.process_time() - start < 6.0
     assert len(net.meshes) + len(net.left) >= 1599
     if off < 1e-3:
         assert len(net.meshes) == 1599
