@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from churchpipe.code_check import is_horizontal
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
 from churchpipe.model.building import Panel
@@ -28,7 +29,7 @@ def of_soil(case: "Case") -> Iterator[str]:
 
 def _of_shaken_soil(case: "Case") -> Iterator[str]:
     """Yield what to ask where an earthquake is checked of walls on which soil or water presses: it presses harder then."""
-    pushed = case.check is not None and any(load.direction[:2].any() for load in case.loads)
+    pushed = case.check is not None and any(is_horizontal(load.direction) for load in case.loads)
     if case.carries.pressures and pushed:
         names = ", ".join(dict.fromkeys(pressure.name or pressure.wall for pressure in case.carries.pressures))
         yield (

@@ -29,16 +29,18 @@ from churchpipe.model.ties import Tie
 
 Solver = Literal["auto", "interior-point", "clarabel"]
 
-FALLS = (
-    "the dead load alone brings it down: a continuum without cohesion cannot hold a flat soffit, a vault too thin for a line of "
-    "thrust or without anything that takes its thrust, a wall that a thrust or a pressure pushes over, nor a load on the very "
-    "end of a wall; openings need lintels that do not yield, or arches, and a point load needs the middle of a stone below it"
+# What a shell cannot hold.
+TOO_WEAK = (
+    "a continuum without cohesion cannot hold a flat soffit, a vault too thin for a line of thrust or without anything that "
+    "takes its thrust, a wall that a thrust or a pressure pushes over, nor a load on the very end of a wall; openings need "
+    "lintels that do not yield, or arches, and a point load needs the middle of a stone below it"
 )
+FALLS = f"the dead load alone brings it down: {TOO_WEAK}"
 
 # Its bounds are zero but for rounding, whose sign says nothing.
 ON_AN_EDGE = (
-    "the dead load stands as on an edge, and no push is carried, however small: in stack bond without cohesion nothing holds the "
-    "stones of a course together"
+    "the dead load stands as on an edge, and no push is carried, however small, as in stack bond without cohesion, where nothing "
+    "holds the stones of a course together"
 )
 
 

@@ -25,7 +25,7 @@ from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.condensed import CondensedShell, StressState
 from churchpipe.homogenised_shell.element import Membrane, ShellElements, Stations, shell_elements
 from churchpipe.homogenised_shell.joint_groups import with_bearings
-from churchpipe.homogenised_shell.limit import FALLS
+from churchpipe.homogenised_shell.limit import FALLS, TOO_WEAK
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.stiffness import facet_stiffness
 from churchpipe.homogenised_shell.strength import with_warning
@@ -45,8 +45,8 @@ from churchpipe.wording import counted
 Progress = Callable[[CapacityStep], None]
 _PULLED = (
     "the dead load and the pretension of the ties bring it down, which a limit analysis leaves out: give the ties less, or none. "
-    "Without any, "
-) + FALLS.replace("the dead load alone brings it down", "the dead load alone may bring it down")
+    f"Without any, the dead load alone may bring it down: {TOO_WEAK}"
+)
 
 
 def pushover(

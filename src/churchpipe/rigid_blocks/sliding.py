@@ -216,8 +216,10 @@ class _Search:
         n, start, most = self._first_forces(end.record.start), end.record.start, centre.record.load_factor / (1.0 + SEARCH_SPREAD)
         noise = np.random.default_rng(1).normal(scale=_ROUNDING, size=len(n))
         run = self._searched(n * (1.0 + noise), most)
-        elsewhere = f"the state at {end.record.load_factor:.4f} from the start {start} does not lead: a search from forces that"
-        elsewhere += " differ by a ten-millionth ends elsewhere"
+        elsewhere = (
+            f"the state at {end.record.load_factor:.4f} from the start {start} does not lead: a search from forces that differ"
+            " by a ten-millionth ends elsewhere"
+        )
         if run is None or not run.converged:
             return None, [elsewhere]
         self.found.append(run)
@@ -286,9 +288,10 @@ class _Search:
     def settled(self, end: End) -> End:
         """Return a certified state of the mechanism of an end that does not hang on rounding.
 
-        Which state of its mechanism a search ends at hangs on rounding; which of them is the lowest does not. As a rule nor does
-        where the run from the centre ends, so that this stays as it is, unless it had ties and ended in a search. But where its
-        last step has gone far along the states of its mechanism, the one nearest to the step before is taken.
+        Which state of its mechanism a search ends at hangs on rounding; which of them is the lowest does not, and that one is
+        taken. The end of a run from the centre does not hang on rounding as a rule, and stays as it is, unless it had ties and
+        ended in a search. Where its last step has gone far along the states of its mechanism, the one nearest to the step before
+        is taken.
         """
         record, run, _ = end
         found = self._mechanisms.get(record.start)
