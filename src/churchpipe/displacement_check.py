@@ -108,6 +108,7 @@ def displacement_check(
         a_g_slv_idealised=capacity(careful.idealised, demand).ground,
         force_based=force,
         governs=_governs(limits["SLV"], force, cut=bool(unproved) and found is curves[0]),
+        collapse_first=_collapse_first(limits["SLV"], limits["SLC"]),
         spectrum=site.parameters,
         demand={name: demand_curve(demand, ground, rule.damping, furthest) for name, rule in LIMIT_STATES.items()},
     )
@@ -242,3 +243,17 @@ def _governs(found: LimitStateCapacity, force: SafetyCheck, *, cut: bool) -> str
         why = f"{reach}, more than q gives it credit for, so the check with q alone is more severe than need be."
     values = f"a_g,SLV is {found.ground:.3f} m/s2 by displacements and {other:.3f} m/s2 with q = {q:g}"
     return f"The displacement-based check governs, as the rule of the circular: {values}. {why}"
+
+
+def _collapse_first(safety: LimitStateCapacity, collapse: LimitStateCapacity) -> str:
+    """Return what makes the capacity of SLC smaller than that of SLV, "" where it is not: by the circular it comes after SLV."""
+    if not collapse.ground < safety.ground:
+        return ""
+    return (
+        f"Collapse (SLC) comes before life safety (SLV) here: a_g,SLC is {collapse.ground:.3f} m/s2 and a_g,SLV "
+        f"{safety.ground:.3f} m/s2. Between the displacements of the two, {three_figures(1e3 * safety.displacement)} and "
+        f"{three_figures(1e3 * collapse.displacement)} mm, the acceleration falls from {three_figures(safety.acceleration)} to "
+        f"{three_figures(collapse.acceleration)} m/s2, as where a tie breaks. So the period grows from {safety.period:.2f} to "
+        f"{collapse.period:.2f} s, and the earthquake asks for more than the mechanism has gained. Compare a_g,SLC with the "
+        "ground acceleration of SLC as well, which the check of SLV does not look at."
+    )

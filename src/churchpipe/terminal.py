@@ -305,8 +305,7 @@ def remarks(summary: Summary) -> list[str]:
         *(_movement(one) for one in summary.movements),
         *summary.guidance,
         *(
-            f"{named_of(f'Load {one.load}', one.variant, one.swept)}: "
-            + " ".join(said for said in (check.unproved, check.halved, check.lost_seat, check.governs) if said)
+            f"{named_of(f'Load {one.load}', one.variant, one.swept)}: {' '.join(check.said)}"
             for one in analyses
             if isinstance(check := one.check, DisplacementCheck)
             if check.governs

@@ -161,6 +161,20 @@ def test_what_does_not_even_start_to_move() -> None:
     assert found.ground == pytest.approx(0.1 * GRAVITY / (1.35 * 1.2), rel=1e-6)
 
 
+def test_collapse_that_comes_before_life_safety_is_said(curve: BlockCapacityCurve) -> None:
+    # A tie that adds .06 until it breaks at half of d0: by hand a falls from .06 + .6 alpha0 to .4 alpha0.
+    assert displacement_check(curve, LEANING, PUSH, SITED).collapse_first == ""
+    tied = curve.load_factor + np.where(curve.displacement < 0.5 * curve.displacement[-1], 0.06, 0.0)
+    check = displacement_check(replace(curve, load_factor=tied), LEANING, PUSH, SITED)
+    safety, collapse = check.limit_states["SLV"], check.limit_states["SLC"]
+    assert collapse.acceleration < 0.5 * safety.acceleration
+    assert check.a_g_slc < check.a_g_slv
+    assert f"a_g,SLC is {check.a_g_slc:.3f} m/s2 and a_g,SLV {check.a_g_slv:.3f} m/s2" in check.collapse_first
+    assert f"from {safety.period:.2f} to {collapse.period:.2f} s" in check.collapse_first
+    shown = displacement_checks([replace(analysis(method="curve"), check=check)], None)
+    assert check.collapse_first in template("displacements.html").render(displacements=shown).replace("\n", " ")
+
+
 def test_a_check_without_q_promises_no_reserve() -> None:
     small = on_ground(box((0, 0.03), (0, 0.1), (0, 0.3)))
     curve = cp.block_pushover(small, cp.find_contacts(small), PUSH, 0.7, step=0.003)

@@ -117,7 +117,7 @@ class DisplacementCheck(Check):
     unproved: which steps of the curve are not proved, and what the check makes of them. lost_seat: which joist loses its seat
     first, and where, if one does. halved: what steps half as long make of it. limit_states, demand: by the names SLV and SLC.
     spectrum: its parameters at a_g, None of a table. force_based: the check with q of the mechanism that starts the curve.
-    governs: which one, and why.
+    governs: which one, and why. collapse_first: what makes a_g_slc smaller than a_g_slv, if it is.
     """
 
     a0: _Acceleration = math.nan
@@ -136,5 +136,12 @@ class DisplacementCheck(Check):
     a_g_slv_idealised: _Acceleration = math.nan
     force_based: SafetyCheck | None = None
     governs: str = ""
+    collapse_first: str = ""
     spectrum: SpectrumParameters | None = None
     demand: dict[str, DemandCurve] = field(default_factory=dict[str, DemandCurve], repr=False)
+
+    @property
+    def said(self) -> list[str]:
+        """The sentences of the check, those that there are."""
+        every = self.unproved, self.halved, self.lost_seat, self.governs, self.collapse_first
+        return [sentence for sentence in every if sentence]

@@ -42,6 +42,7 @@ class ShownCheck:
     unproved: str
     halved: str
     lost_seat: str
+    collapse_first: str
     severe: bool
     steady: bool
 
@@ -77,7 +78,7 @@ def _shown(label: str, check: DisplacementCheck) -> ShownCheck:
         [name, *(figure(getattr(limit, key) * unit, digits) for _, _, key, unit, digits in CAPACITY)]
         for name, limit in check.limit_states.items()
     ]
-    said = check.governs, check.missing, check.unproved, check.halved, check.lost_seat
+    said = check.governs, check.missing, check.unproved, check.halved, check.lost_seat, check.collapse_first
     severe = check.force_based is not None and check.a_g_slv < check.force_based.a_g_slv
     return ShownCheck(label, adrs_svg(check), _facts(check), rows, *said, severe=severe, steady=UNRELIABLE not in check.halved)
 
