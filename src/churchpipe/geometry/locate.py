@@ -42,7 +42,7 @@ def inside_stones(stones: Assemblage, points: FloatArray) -> BoolArray:
         point, stone = point[near], stone[near]
         sides = pointer[stone + 1] - pointer[stone]
         owner = np.repeat(point, sides)
-        angle = _solid_angles(triangles[ragged_indices(pointer[stone], sides)] - part[owner][:, None])
+        angle = solid_angles(triangles[ragged_indices(pointer[stone], sides)] - part[owner][:, None])
         winding = np.bincount(owner, angle, minlength=len(part)) / (4 * np.pi)
         inside[first : first + CHUNK] = winding > 0.5
     return inside
@@ -58,7 +58,7 @@ def stones_at(stones: Assemblage, point: FloatArray) -> IntArray:
 
 def _holds_or_touches(stones: Assemblage, stone: int, point: FloatArray, reach: float) -> bool:
     triangles = _surface_triangles(stones, np.array([stone]))[0] - point
-    if abs(_solid_angles(triangles).sum()) > 2 * np.pi:
+    if abs(solid_angles(triangles).sum()) > 2 * np.pi:
         return True
     for face in range(*stones.block_face_ptr[stone : stone + 2]):
         corners = stones.points[stones.face_nodes[stones.face_ptr[face] : stones.face_ptr[face + 1]]] - point
@@ -106,7 +106,7 @@ def _inside(stones: Assemblage, stone: int, place: FloatArray) -> FloatArray:
     triangles, _ = _surface_triangles(stones, np.array([stone]))
 
     def holds(point: FloatArray) -> bool:
-        return bool(_solid_angles(triangles - point).sum() > 2 * np.pi)
+        return bool(solid_angles(triangles - point).sum() > 2 * np.pi)
 
     if holds(place):
         return place
@@ -160,7 +160,7 @@ def _surface_triangles(stones: Assemblage, blocks: IntArray) -> tuple[FloatArray
     return stones.points[nodes], pointer_of(per_stone)
 
 
-def _solid_angles(triangles: FloatArray) -> FloatArray:
+def solid_angles(triangles: FloatArray) -> FloatArray:
     """Return the signed solid angles (n,) of triangles (n, 3, 3) seen from the origin (Van Oosterom & Strackee 1983)."""
     a, b, c = np.moveaxis(triangles, 1, 0)
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))

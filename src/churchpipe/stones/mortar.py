@@ -13,6 +13,7 @@ from churchpipe.geometry.warped import split_warped
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.polyhedra import face_normals
+from churchpipe.stones.between import filled
 
 Solid = tuple[FloatArray, Sequence[Sequence[int]]]
 
@@ -227,7 +228,10 @@ class _Faces:
 
 
 def _joints(flat: _Faces, joint: float, *, astray: float = ASTRAY) -> Joints:
-    """Return the joints; astray: share of the width by which those of one face may be off its main one."""
+    """Return the joints; astray: share of the width by which those of one face may be off its main one.
+
+    Two faces have none where a third stone lies between them: a tile in its bed, a wedge of a fan.
+    """
     pairs: list[tuple[int, int]] = []
     width: list[float] = []
     middle: list[FloatArray] = []
@@ -251,6 +255,11 @@ def _joints(flat: _Faces, joint: float, *, astray: float = ASTRAY) -> Joints:
         width.append(float(gap.mean()))
         middle.append(points)
         weight.append(size / gap.mean() ** 2)
+    places = np.array([points.mean(axis=0) for points in middle]).reshape(-1, 3)
+    between = filled(flat.corners, flat.solid, places, flat.solid[np.array(pairs, dtype=np.int64).reshape(-1, 2)])
+    clear = np.flatnonzero(~between).tolist()
+    pairs, width = [pairs[k] for k in clear], [width[k] for k in clear]
+    middle, weight = [middle[k] for k in clear], [weight[k] for k in clear]
     kept = _one_surface_a_face(pairs, middle, weight, astray * joint)
     faces = np.array([pairs[k] for k in kept], dtype=np.int64).reshape(-1, 2)
     return Joints(faces, np.array([width[k] for k in kept]), tuple(middle[k] for k in kept), _numbers(flat, faces, joint))

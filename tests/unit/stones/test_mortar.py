@@ -127,6 +127,28 @@ def test_open_joints_are_measured_where_nobody_named_them() -> None:
     assert len(open_joints(touching).width) == 0
 
 
+@pytest.mark.parametrize("count", [16, 24, 60])
+def test_wedges_that_meet_in_one_point_have_no_gap_across_each_other(count: int) -> None:
+    """From 16 on, every second one faces the other at less than 12 degrees, with a wedge between them."""
+    rim = [(np.cos(angle), np.sin(angle)) for angle in np.linspace(0.0, np.pi, count + 1)]
+    wedges = [prism(np.array([(0.0, 0.0), *pair]), 0.5) for pair in pairwise(rim)]
+    assert len(open_joints(wedges).width) == 0
+
+
+@pytest.mark.parametrize(("bed", "tile"), [(0.0, 0.010), (0.004, 0.003)])
+def test_stones_do_not_grow_through_a_thin_one_between_them(bed: float, tile: float) -> None:
+    """A tile between bricks, in touch with them or in thin mortar; 10 mm of mortar above."""
+    heights, solids, low = (0.065, tile, 0.065, 0.065), [], 0.0
+    for height, mortar in zip(heights, (bed, bed, JOINT, 0.0), strict=True):
+        solids.append(box((0, 0, low), (0.25, 0.12, height)))
+        low += height + mortar
+    closed = close_joints(solids, JOINT)
+    levels = [(points[:, 2].min(), points[:, 2].max()) for points, _ in closed.solids]
+    ends = np.cumsum([0.0, 0.065 + bed / 2, tile + bed, 0.065 + bed / 2 + JOINT / 2, 0.065 + JOINT / 2])
+    np.testing.assert_allclose(levels, [*pairwise(ends)], atol=1e-9)
+    assert closed.wide == []
+
+
 def test_a_flat_stone_among_others_has_no_mortar() -> None:
     place = Place("solid", "", "")
     solids = [*bricks(2, 2), box((0, 0, 0.15), (0.25, 0.12, 0.0))]
