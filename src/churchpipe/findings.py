@@ -63,6 +63,11 @@ CODES: Final = {
     "W48": "a stone far thinner than the others",
 }
 
+_MORE_DIGITS = (
+    "The digits are not in the file, and no option brings them back: in the program that made it, move the model near the "
+    "origin, or export it in a format with more digits, such as OBJ or DXF."
+)
+
 # What to do about a finding, where nothing nearer is known. A warning is nothing to mend if what it says is meant.
 REMEDIES: Final = {
     "E01": "Check the path, and export the file again.",
@@ -113,8 +118,8 @@ REMEDIES: Final = {
     "W44": "Compare the volumes; draw the stone as one body if they differ.",
     "W45": "Pass --units or --up if that is wrong.",
     "W46": "Look at the names of layers and stones; export the drawing again if they are wrong.",
-    "E47": "Move the model near the origin in the program that made it, and export it again.",
-    "W47": "Move the model near the origin in the program that made it, and export it again.",
+    "E47": _MORE_DIGITS,
+    "W47": _MORE_DIGITS,
     "W48": "Delete it if it is an offcut: it comes out first, and its load factor is not that of the building.",
 }
 
