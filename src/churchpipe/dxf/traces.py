@@ -16,7 +16,10 @@ from churchpipe.findings import Place
 from churchpipe.geometry.planar import nested, polygon
 from churchpipe.model.arrays import FloatArray
 
-KINDS: Final = ("LWPOLYLINE", "POLYLINE", "HATCH", "LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
+# Areas: bounded by paths, of which some may be voids, or by three or four corners.
+BOUNDED: Final = ("HATCH", "MPOLYGON")
+AREAS: Final = (*BOUNDED, "SOLID", "TRACE")
+KINDS: Final = ("LWPOLYLINE", "POLYLINE", "LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", *AREAS)
 # A curve is drawn with chords that leave it by at most the first part of the size of what it belongs to; finely, by the second.
 CHORD, FINE = 0.01, 1e-4
 # A line lies in a plane if it leaves it by no more than this part of its size.
@@ -28,9 +31,10 @@ class Trace:
     """One line as drawn.
 
     points (n, 3), drawing units, in space; closed: said to be closed, then the first point is not repeated; normal (3,): of the
-    plane it is drawn in; depth: its DXF thickness, 0 when it has none; filled: boundary of a hatch; void: of a part of it that is
-    left empty; added: length of sides that are not drawn and close such a boundary, drawing units; bearing: drawn as ground;
-    fine (m, 3): the points of a line with curves, drawn finely, the first one repeated when it is closed.
+    plane it is drawn in; depth: its DXF thickness, 0 when it has none; filled: boundary of a hatch, or of another of `AREAS`;
+    void: of a part of it that is left empty; added: length of sides that are not drawn and close such a boundary, drawing units;
+    bearing: drawn as ground; fine (m, 3): the points of a line with curves, drawn finely, the first one repeated when it is
+    closed.
     """
 
     points: FloatArray
@@ -56,12 +60,12 @@ class Plane:
 
 
 def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bool) -> list[Trace]:
-    """Return the traces of one entity of `KINDS`: the boundaries of a hatch, one of any other; what has no length is left out."""
+    """Return the traces of one entity of `KINDS`: all boundaries of a hatch, one of any other; what has no length is left out."""
     extrusion = np.array(entity.dxf.get("extrusion", (0, 0, 1)))
     if not 0.0 < float(np.linalg.norm(extrusion)) < np.inf:
         raise ValueError(f"the direction of its extrusion is {tuple(extrusion.tolist())}")
-    filled = entity.dxftype() == "HATCH"
-    drawn = _boundaries(entity) if filled else [(line, 0.0) for line in _path(entity).sub_paths()]
+    bounded, filled = (entity.dxftype() in kinds for kinds in (BOUNDED, AREAS))
+    drawn = _boundaries(entity) if bounded else [(line, 0.0) for line in _path(entity).sub_paths()]
     normal = extrusion @ np.linalg.inv(matrix[0]).T
     up: FloatArray = np.asarray(normal / np.linalg.norm(normal), dtype=np.float64)
     across = _axes(up)[:2].T
@@ -84,7 +88,7 @@ def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bo
         sane = bool((np.abs(points) <= LARGEST_COORDINATE).all())
         own_plane = _plane_of(points, up) if sane and _apart(points, up) > FLAT else up
         out.append(Trace(points, closed, own_plane, where, layer, depth, filled, added=added, bearing=bearing, fine=fine))
-    several = filled and len(out) > 1 and all((np.abs(trace.points) <= LARGEST_COORDINATE).all() for trace in out)
+    several = bounded and len(out) > 1 and all((np.abs(trace.points) <= LARGEST_COORDINATE).all() for trace in out)
     return _with_voids(out, across, entity.dxf.get("hatch_style", 0)) if several else out
 
 

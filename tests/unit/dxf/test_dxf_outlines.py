@@ -19,6 +19,8 @@ from churchpipe.stones.self_crossing import self_crossing_stones
 from churchpipe.stones.soundness import check_soundness
 
 BRICK = [(0.0, 0.0), (250.0, 0.0), (250.0, 65.0), (0.0, 65.0)]
+# A filled area of four corners (SOLID, TRACE) has its third corner above the first.
+CROSSWISE = [BRICK[k] for k in (0, 1, 3, 2)]
 
 
 def drawn(path: Path, draw: Callable[[Any], object], *, unit: int = 4, ground: bool = True) -> Path:
@@ -97,6 +99,13 @@ WAYS: dict[str, tuple[Callable[[Any], object], list[str]]] = {
             space.add_lwpolyline(BRICK, close=True),
             space.add_hatch().paths.add_polyline_path(BRICK, is_closed=True),
         ),
+        [],
+    ),
+    "a polygon with a filling": (lambda space: space.add_mpolygon().paths.add_polyline_path(BRICK, is_closed=True), []),
+    "a filled area of four corners": (lambda space: space.add_solid(CROSSWISE), []),
+    "the same of old": (lambda space: space.add_trace(CROSSWISE), []),
+    "an outline filled by two triangles": (
+        lambda space: [space.add_lwpolyline(BRICK, close=True), space.add_solid(BRICK[:3]), space.add_solid(BRICK[1:])],
         [],
     ),
     "four lines": (lambda space: [space.add_line(a, b) for a, b in zip(BRICK, BRICK[1:] + BRICK[:1], strict=True)], []),
