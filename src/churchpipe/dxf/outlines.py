@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from operator import itemgetter
 
 import numpy as np
 
@@ -57,10 +58,10 @@ def outlines_of(plane: Plane, findings: list[Finding]) -> tuple[list[Outline], i
             remedy = "End it in the drawing where it should end if it was not meant to meet that line."
             place = _at(traces[index[k]], net.mended_at[k], plane)
             findings.append(place.finding("W25", what, lengths=(gap,), remedy=remedy))
-        for k, gap in sorted(part for part in net.doubtful.items() if part[0] not in apart):
+        for k, (gap, middle) in sorted((part for part in net.doubtful.items() if part[0] not in apart), key=itemgetter(0)):
             what = "a side is so short that lines near it, which miss each other by up to {}, may end at either end of it"
             remedy = "Let the lines here end on each other: two stones may be taken for one, or for neighbours."
-            findings.append(traces[index[k]].place.finding("W25", what, lengths=(gap,), remedy=remedy))
+            findings.append(_at(traces[index[k]], middle, plane).finding("W25", what, lengths=(gap,), remedy=remedy))
         for area in (area for area in net.left if area.line not in apart):
             findings.append(_left_out(area, traces[index[area.line]], plane))
         for k in (index[border] for border in net.borders):

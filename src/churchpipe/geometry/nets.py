@@ -63,8 +63,8 @@ class Net:
     lines that meet no other, or that close over a place where no area is. loose: indices of the lines with a free end. borders:
     indices of the closed outlines on which lines end. mended: of lines with an end that missed the next line, or ran past it: by
     how much at most; mended_at (2,): and where. doubtful: of lines with a side so short that others near it may have been meant
-    to end at either end of it: by how much these miss each other. left: what lines enclose that is too small or too narrow for a
-    stone.
+    to end at either end of it: by how much these miss each other, and the middle (2,) of the side. left: what lines enclose that
+    is too small or too narrow for a stone.
     """
 
     meshes: list[tuple[int, FloatArray]]
@@ -72,7 +72,7 @@ class Net:
     loose: list[int]
     borders: list[int]
     mended: dict[int, float]
-    doubtful: dict[int, float] = field(default_factory=dict[int, float])
+    doubtful: dict[int, tuple[float, FloatArray]] = field(default_factory=dict[int, "tuple[float, FloatArray]"])
     mended_at: dict[int, FloatArray] = field(default_factory=dict[int, "FloatArray"])
     left: list[Left] = field(default_factory=list[Left])
 
@@ -112,7 +112,7 @@ def net_of(lines: Sequence[FloatArray], outlines: Sequence[FloatArray]) -> Net:
     if beyond:
         net = _meshed(lines, outlines, sorted((met | crossing) - beyond), reach, slip, scatter.spread)
     unused = [k for k in range(count) if k in beyond or k not in met | crossing]
-    short = {of_net[k]: by for k, by in doubtful([meant[k] for k in of_net], scatter, slip).items() if of_net[k] not in unused}
+    short = {of_net[k]: one for k, one in doubtful([meant[k] for k in of_net], scatter, slip).items() if of_net[k] not in unused}
     told = {k: max(mended.get(k, 0.0), net.mended.get(k, 0.0)) for k in mended | net.mended}
     at = net.mended_at | {k: meant[k][np.argmax(by[k])] for k, most in mended.items() if most >= net.mended.get(k, 0.0)}
     return replace(net, alone=[*net.alone, *unused], mended=told, mended_at=at, doubtful=short)

@@ -88,11 +88,11 @@ def gathered(
     return [line if sound else old for line, sound, old in zip(out, kept, lines, strict=True)], moved
 
 
-def doubtful(lines: Sequence[FloatArray], scatter: Scatter, slip: float) -> dict[int, float]:
+def doubtful(lines: Sequence[FloatArray], scatter: Scatter, slip: float) -> dict[int, tuple[float, FloatArray]]:
     """Return the lines (n, 2) with a side so short that lines near it, which miss each other, may have been meant to meet at
-    either end of it; and by how much those miss each other."""
+    either end of it; by how much those miss each other; and the middle (2,) of the side where that is most."""
     tree = KDTree(ends_of(lines))
-    out: dict[int, float] = {}
+    out: dict[int, tuple[float, FloatArray]] = {}
     for k, line in enumerate(lines):
         marks = _corners(line)
         for first, last in pairwise(marks):
@@ -101,7 +101,9 @@ def doubtful(lines: Sequence[FloatArray], scatter: Scatter, slip: float) -> dict
                 near = {n for corner in line[[first, last]] for n in tree.query_ball_point(corner, slip)}
                 miss = max((float(scatter.miss[n]) for n in near if np.isfinite(scatter.miss[n])), default=0.0)
                 if length < max(2 * scatter.spread, SPREAD * miss):
-                    out[k] = max(scatter.spread, miss, out.get(k, 0.0))
+                    most = max(scatter.spread, miss)
+                    if k not in out or most > out[k][0]:
+                        out[k] = most, 0.5 * (line[first] + line[last])
     return out
 
 

@@ -136,7 +136,11 @@ def test_a_side_shorter_than_lines_miss_each_other_is_doubtful() -> None:
     net = net_of(exact, [])
     assert list(net.doubtful) == [0]
     # The distance of the end from the other lines, of which the side is the nearest.
-    assert net.doubtful[0] == pytest.approx(0.0045, rel=0.05)
+    assert net.doubtful[0][0] == pytest.approx(0.0045, rel=0.05)
+    # It is told in the middle of the side, also of a line that begins elsewhere.
+    whole = [np.concatenate([exact[2][:1], exact[0], exact[3][1:]]), exact[1], *exact[4:]]
+    for lines in (exact, whole):
+        np.testing.assert_allclose(net_of(lines, []).doubtful[0][1], [0, 0], atol=1e-12)
 
 
 @pytest.mark.parametrize("off", [0.0, 0.0003, 0.001])
