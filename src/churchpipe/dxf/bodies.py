@@ -84,6 +84,22 @@ def entity_bodies(entity: Any) -> list[Body]:
     return [make_body(_points(m.vertices), [tuple(f) for f in m.faces]) for m in meshes]
 
 
+def smoothness(entity: Any) -> int:
+    """Return how often the surface of a mesh is subdivided where it is seen; 0 where creases keep all of its edges sharp."""
+    if not isinstance(entity, Mesh) or entity.dxf.subdivision_levels <= 0:
+        return 0
+    level = int(entity.dxf.subdivision_levels)
+    faces = [tuple(map(int, face)) for face in cast(list[Sequence[int]], entity.faces)]
+    drawn = {frozenset(side) for face in faces for side in zip(face, (*face[1:], face[0]), strict=True)}
+    # A crease below 0 holds at any level, another one up to the level that it names.
+    sharp = {
+        frozenset(map(int, edge))
+        for edge, crease in zip(cast(list[Sequence[int]], entity.edges), entity.creases, strict=False)
+        if crease < 0 or crease >= level
+    }
+    return 0 if drawn <= sharp else level
+
+
 def _parted(points: FloatArray, faces: list[tuple[int, ...]]) -> list[Body]:
     """Return each closed part of a mesh as a body; the whole where a part is open, or bounds a hollow in another one."""
     whole = make_body(points, faces)

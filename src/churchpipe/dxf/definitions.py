@@ -24,6 +24,7 @@ from churchpipe.dxf.bodies import (
     make_body,
     nearly_closed,
     repaired,
+    smoothness,
 )
 from churchpipe.findings import Finding, Place
 from churchpipe.geometry.mending import CLOSE
@@ -176,6 +177,10 @@ def _solids(entity: Any, block: str, matrix: Matrix, findings: list[Finding]) ->
             found = f"{len(bodies)} solids in one entity; each is a stone"
             where = _place(entity, block, matrix, bodies[0].points[0])
             findings.append(where.finding("W42", found, remedy="Draw each as an entity of its own if the case is to name them."))
+        if level := smoothness(entity):
+            found = f"the mesh is shown smoothed, to level {level}: what is seen is rounder and smaller than its faces"
+            remedy = "Set its smoothness to none if its faces are those of the stone, or convert it to a solid."
+            findings.append(place.finding("E21", found, expected="a mesh without smoothing", remedy=remedy))
     return [Solid(b, _place(entity, block, matrix, b.points[0]) if len(b.points) else place, entity.dxf.layer) for b in bodies]
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from ezdxf.entities.insert import Insert
 from ezdxf.entities.polyline import Polymesh
+from ezdxf.xclip import XClip
 
 from churchpipe.dxf import schema
 from churchpipe.dxf.attributes import read_labels
@@ -251,6 +252,8 @@ def _visit_insert(found: Survey, insert: Insert, branch: _Branch) -> None:
         found.findings.append(place.finding("E08", f"the block contains itself: {way}", remedy=remedy))
     else:
         rows = np.array(list(insert.matrix44().rows()), dtype=float)
+        if XClip(insert).is_clipping_enabled:
+            found.findings.append(place.finding("W30", "the insert is clipped (XCLIP): all of its block is read, hidden or not"))
         if layer in (schema.TIES, schema.LOADS):
             found.carried += _carried(insert, branch, layer, place)
             return

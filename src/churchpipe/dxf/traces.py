@@ -93,12 +93,16 @@ def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bo
 
 
 def _path(entity: Any) -> Any:
-    """Return the path of an entity; of a spline of the first degree the polyline that it is, with its corners."""
+    """Return the path of an entity; of a spline of the first degree the polyline that it is, with its corners; of a polyline with
+    a spline fitted to it the spline, without the frame that nobody sees."""
     if entity.dxftype() == "SPLINE" and entity.dxf.degree == 1 and len(entity.control_points) > 1:
         line = paths.from_vertices([Vec3(tuple(point)) for point in entity.control_points])
         if entity.closed and not line.is_closed:
             line.close()
         return line
+    if entity.dxftype() == "POLYLINE" and entity.dxf.flags & entity.SPLINE_FIT_VERTICES_ADDED:
+        entity = entity.copy()
+        entity.vertices[:] = [v for v in entity.vertices if not v.dxf.flags & v.SPLINE_FRAME_CONTROL_POINT]
     return paths.make_path(entity)
 
 

@@ -138,3 +138,24 @@ def test_a_joint_on_a_face_cut_into_triangles_is_one(tmp_path: Path) -> None:
     assert np.diff(stones.block_face_ptr).tolist() == [6] * 7
     contacts = find_contacts(stones)
     assert (len(contacts.blocks), len(contacts.point)) == (7 + 3, 4 * (7 + 3))
+
+
+@pytest.mark.parametrize(
+    ("level", "crease", "accepted"), [(0, 0.0, True), (2, 0.0, False), (2, -1.0, True), (2, 1.0, False), (2, 2.0, True)]
+)
+def test_a_mesh_that_is_shown_smoothed_is_no_stone(level: int, crease: float, accepted: bool, tmp_path: Path) -> None:
+    """A cube smoothed is nearly a ball: its faces would give it twice the volume that its owner sees."""
+    points, faces = box((0, 0, 0), (0.5, 0.5, 0.5))
+    document = new("R2010", units=6)
+    mesh = document.modelspace().add_mesh(dxfattribs={"subdivision_levels": level})
+    with mesh.edit_data() as data:
+        data.vertices, data.faces = Vec3.list(points.tolist()), [list(face) for face in faces]
+        sides = {tuple(sorted(side)) for face in faces for side in zip(face, (*face[1:], face[0]), strict=True)}
+        data.edges = [(first, last) for first, last in sides]
+        data.edge_crease_values = [crease] * len(data.edges)
+    document.saveas(tmp_path / "a.dxf")
+    if accepted:
+        assert read_drawing(tmp_path / "a.dxf", support="base", unit_weight=18e3).stones.volume[0] == pytest.approx(0.125)
+    else:
+        with pytest.raises(FindingsError, match=r"E21 .*shown smoothed, to level 2"):
+            read_drawing(tmp_path / "a.dxf", support="base", unit_weight=18e3)

@@ -9,6 +9,7 @@ import pytest
 from ezdxf.acis import api as acis
 from ezdxf.math import Vec3
 from ezdxf.render import MeshBuilder
+from ezdxf.xclip import XClip
 
 from churchpipe.dxf.reader import Drawing, read_drawing
 from churchpipe.findings import FindingsError
@@ -328,3 +329,16 @@ def test_a_face_just_flat_enough_in_its_block_is_split_where_an_insert_stretches
     # It was refused as not planar, in an insert alone.
     assert ("W10" in drawing.findings.codes) == (abs(scale) > 1)
     assert drawing.stones.volume[0] == pytest.approx(0.008 * abs(scale) ** 3, rel=1e-4)
+
+
+@pytest.mark.parametrize("shown", [True, False])
+def test_a_clipped_insert_is_read_whole_and_told(shown: bool, tmp_path: Path) -> None:
+    def clip(doc: Any) -> None:
+        clipped = XClip(wedge_insert(doc))
+        clipped.set_block_clipping_path([(-1.0, -1.0), (0.1, 0.1)])
+        if shown:
+            clipped.disable_clipping()
+
+    drawing = read_drawing(edited(tmp_path / "a.dxf", clip))
+    assert drawing.findings.codes == (() if shown else ("W30",))
+    assert drawing.stones.volume[1] == pytest.approx(WEDGE_VOLUME, rel=1e-12)

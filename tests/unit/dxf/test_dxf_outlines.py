@@ -58,6 +58,16 @@ def _cubic(space: Any) -> None:
     space.query("SPLINE")[-1].knots = [0.0] * 4 + [float(k) for k in (1, 2, 3) for _ in range(3)] + [4.0] * 4
 
 
+def _fitted(space: Any) -> None:
+    """Add an old polyline with its frame, which is not seen, and the vertices fitted to that."""
+    line = space.add_polyline2d([(0, 0), (500, 0), (500, 500)], close=True)
+    line.dxf.flags |= line.SPLINE_FIT_VERTICES_ADDED
+    for vertex in line.vertices:
+        vertex.dxf.flags |= vertex.SPLINE_FRAME_CONTROL_POINT
+    for corner in BRICK:
+        line.append_vertex(corner, dxfattribs={"flags": 8})
+
+
 WAYS: dict[str, tuple[Callable[[Any], object], list[str]]] = {
     "by its flag": (lambda space: space.add_lwpolyline(BRICK, close=True), []),
     "first point repeated": (lambda space: space.add_lwpolyline([*BRICK, BRICK[0]]), []),
@@ -69,6 +79,7 @@ WAYS: dict[str, tuple[Callable[[Any], object], list[str]]] = {
         [],
     ),
     "spline of the third degree with corners": (lambda space: _cubic(space), []),
+    "a spline fitted to an old polyline": (lambda space: _fitted(space), []),
     "clockwise": (lambda space: space.add_lwpolyline(BRICK[::-1], close=True), []),
     "doubled points": (lambda space: space.add_lwpolyline([BRICK[0], *BRICK, BRICK[3]], close=True), []),
     "corners on its sides": (
