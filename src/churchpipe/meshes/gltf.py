@@ -2,13 +2,14 @@
 
 import json
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from churchpipe.findings import FindingsError
-from churchpipe.meshes.source import Body, Source, face_colours, left_out, read_bytes, refused
+from churchpipe.meshes.source import Body, Source, face_colours, left_out, mixed, read_bytes, refused
 from churchpipe.model.arrays import FloatArray
 
 # What trimesh and NumPy raise when a file is nonsense.
@@ -20,7 +21,10 @@ INSTANCING = "EXT_mesh_gpu_instancing"
 
 
 def read_gltf(path: Path) -> Source:
-    """Read a GLB or glTF; each node with a mesh is a body, its material the mesh's."""
+    """Read a GLB or glTF; each node with a mesh is a body, its material the mesh's.
+
+    A mesh has a part (primitive) for each of its materials. Parts that close are bodies, numbered; others are one together.
+    """
     import trimesh
 
     data = read_bytes(path, "gltf")
@@ -35,6 +39,7 @@ def read_gltf(path: Path) -> Source:
         raise _damaged(path, f"{announced} meshes stand in its nodes, {len(placed)} of them can be read in its scene")
     source = Source([], "gltf", unit="m", up="y")
     others: Counter[str] = Counter()
+    parts: dict[str, list[Body]] = {}
     for node, matrix, name in placed:
         mesh = geometry[name]
         if not isinstance(mesh, trimesh.Trimesh):
@@ -49,9 +54,41 @@ def read_gltf(path: Path) -> Source:
         faces = [(a, b, c) for a, b, c in triangles.tolist()]
         shades = _shades(mesh.visual, material, len(corners))
         own = face_colours(shades, faces) if shades is not None and faces else None
-        source.bodies.append(Body(corners, faces, "node", str(node), str(stuff) if stuff else "default", colours=own))
+        # Parts of one mesh stand in nodes of their own, whose names are new at each reading.
+        owner = str(scene.graph.transforms.parents[node] if mesh.metadata.get("from_gltf_primitive") else node)
+        body = Body(corners, faces, "node", owner, str(stuff) if stuff else "default", colours=own)
+        parts.setdefault(owner, []).append(body)
+    unlike = 0
+    for own in parts.values():
+        bodies, strange = _bodies(own)
+        source.bodies += bodies
+        unlike += strange
+    source.findings += mixed(unlike)
     source.findings += left_out(others)
     return source
+
+
+def _bodies(parts: list[Body]) -> tuple[list[Body], int]:
+    """Return the bodies that the parts of one mesh are: each of them, or all together where one is open; and how many faces have
+    another material than their body."""
+    if len(parts) == 1:
+        return parts, 0
+    if all(_closes(part) for part in parts):
+        return [replace(part, name=f"{part.name}-{number}") for number, part in enumerate(parts, 1)], 0
+    offset = np.cumsum([0, *(len(part.points) for part in parts)]).tolist()
+    faces = [tuple(node + start for node in face) for start, part in zip(offset, parts, strict=False) for face in part.faces]
+    shades = [part.colours for part in parts if part.colours is not None]
+    colours = np.concatenate(shades) if len(shades) == len(parts) else None
+    whole = replace(parts[0], points=np.concatenate([part.points for part in parts]), faces=faces, colours=colours)
+    return [whole], sum(len(part.faces) for part in parts if part.material != whole.material)
+
+
+def _closes(part: Body) -> bool:
+    """Return whether every edge of a part, by the places of its ends, belongs to two of its triangles, or to four."""
+    place = np.unique(part.points, axis=0, return_inverse=True)[1].reshape(-1)
+    nodes = place[np.array(part.faces, dtype=np.int64).reshape(-1, 3)]
+    sides = np.sort(np.concatenate([nodes[:, [0, 1]], nodes[:, [1, 2]], nodes[:, [2, 0]]]), axis=1)
+    return bool((np.unique(sides, axis=0, return_counts=True)[1] % 2 == 0).all())
 
 
 def _shades(visual: Any, material: Any, count: int) -> FloatArray | None:

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from churchpipe.findings import Finding
-from churchpipe.meshes.source import Body, Face, Source, damaged, face_colours, left_out, number, read_lines
-from churchpipe.wording import counted
+from churchpipe.meshes.source import Body, Face, Source, damaged, face_colours, left_out, mixed, number, read_lines
 
 _SILENT = {"vt", "vn", "s", "mtllib", "usemap", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"}
 _LEFT_OUT = {"l": "lines", "p": "points", "curv": "curves", "curv2": "curves", "surf": "surfaces", "vp": "surface parameters"}
@@ -72,20 +71,17 @@ def read_obj(path: Path) -> Source:
     others["vertices of no face"] += used - len({node for face in faces for node in face})
     by_object = len({label[0] for label in labels}) >= len({label[1] for label in labels})
     bodies: dict[str, tuple[list[Face], str, set[str]]] = {}
-    mixed = 0
+    unlike = 0
     for face, (name, group, material) in zip(faces, labels, strict=True):
         key, other = (name, group) if by_object else (group, name)
         around, stuff, within = bodies.setdefault(key, ([], material, set()))
         around.append(face)
         within.add(other)
-        mixed += material != stuff
+        unlike += material != stuff
     corners = np.array(points, dtype=np.float64).reshape(-1, 3)
     entity = "object" if by_object else "group"
     shades = np.array(colours, dtype=np.float64).reshape(-1, 3)
-    if mixed:
-        found = f"{counted(mixed, 'face has', 'faces have')} another material than the body, which has that of its first face"
-        source.findings.append(Finding("W18", found, remedy="Give each body one material, and a name of its own."))
-    source.findings += left_out(others)
+    source.findings += mixed(unlike) + left_out(others)
     for key, (around, stuff, within) in bodies.items():
         own = face_colours(shades, around) if (shades >= 0).any() else None
         used, inverse = np.unique(np.concatenate(around), return_inverse=True)

@@ -13,6 +13,7 @@ from churchpipe.dxf.reading import Up
 from churchpipe.dxf.schema import LARGEST_COORDINATE
 from churchpipe.findings import Finding, Findings, FindingsError, Place
 from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.wording import counted
 
 Face = tuple[int, ...]
 
@@ -74,6 +75,12 @@ def face_colours(colours: FloatArray, faces: Sequence[Face]) -> IntArray:
     low, high = np.minimum.reduceat(corners, start), np.maximum.reduceat(corners, start)
     sound = (low == high).all(axis=1) & (low >= 0).all(axis=1) & (high <= 255).all(axis=1)
     return np.where(sound[:, None], low, -1.0).astype(np.int64)
+
+
+def mixed(faces: int) -> list[Finding]:
+    """Return the finding of so many faces with another material than the body that they belong to."""
+    found = f"{counted(faces, 'face has', 'faces have')} another material than the body, which has that of its first face"
+    return [Finding("W18", found, remedy="Give each body one material, and a name of its own.")] if faces else []
 
 
 def refused(path: Path, reader: str, code: str, found: str, *, expected: str = "", remedy: str = "") -> FindingsError:
