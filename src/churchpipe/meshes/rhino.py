@@ -103,17 +103,25 @@ class _Walk:
         self._source, self._model, self._others = source, model, others
         self._by_id = {str(item.Attributes.Id): item for item in model.Objects}
         self._layers = {layer.Index: layer for layer in model.Layers}
+        self._parents = {str(layer.Id): layer for layer in model.Layers}
 
     def visit(self, items: list[Any], matrix: FloatArray, depth: int, within: _Instance = _NONE) -> None:
         for item in items:
             layer = self._layers.get(item.Attributes.LayerIndex)
             kind = type(item.Geometry).__name__
-            if not item.Attributes.Visible or (layer is not None and not layer.Visible):
+            if not item.Attributes.Visible or self._hidden(layer):
                 self._others["hidden objects"] += 1
             elif kind == "InstanceReference":
                 self._follow(item, self._layer(layer, within), matrix, depth, within)
             else:
                 self._add(item, kind, self._layer(layer, within) or "default", matrix, within)
+
+    def _hidden(self, layer: Any) -> bool:
+        """Return whether a layer is off, or one that it lies in."""
+        passed = 0
+        while layer is not None and layer.Visible and passed < DEEPEST:
+            layer, passed = self._parents.get(str(layer.ParentLayerId)), passed + 1
+        return layer is not None and not layer.Visible
 
     @staticmethod
     def _layer(layer: Any, within: _Instance) -> str:

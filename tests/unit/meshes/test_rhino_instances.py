@@ -59,3 +59,23 @@ def test_instances_have_names_and_layers_of_their_own(tmp_path: Path) -> None:
     assert stones.block_id[~free].tolist() == ["ground"]
     assert dict(zip(stones.block_id.tolist(), stones.material.tolist(), strict=True))["left"] == "tuff"
     np.testing.assert_allclose(stones.volume[free], 0.5 * 0.3 * 0.25, rtol=1e-6)
+
+
+def test_what_lies_on_a_layer_in_a_hidden_one_is_hidden(tmp_path: Path) -> None:
+    """Rhino shows nothing of a layer that is on itself but lies in one that is off."""
+    model = rhino3dm.File3dm()
+    model.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
+    layers = [0, 0]
+    for name, shown in (("Default", True), ("survey", False), ("of 1999", True), ("north", True)):
+        layer = rhino3dm.Layer()
+        layer.Name, layer.Visible = name, shown
+        if name in ("of 1999", "north"):
+            layer.ParentLayerId = model.Layers[layers[-1]].Id
+        layers.append(model.Layers.Add(layer))
+    model.Objects.AddMesh(mesh((-1, -1, -0.3), (2, 2, 0)), attributes("ground"))
+    for number, layer in enumerate(layers[2:]):
+        model.Objects.AddMesh(mesh((0, 0, 0.25 * number), (0.5, 0.3, 0.25 * number + 0.25)), attributes(f"stone{number}", layer))
+    assert model.Write(str(tmp_path / "a.3dm"), 7)
+    stones, findings = read_stones(tmp_path / "a.3dm", unit_weight=18e3)
+    assert stones.block_id.tolist() == ["ground", "stone0"]
+    assert "left out: 3 hidden objects" in str(findings)
