@@ -70,7 +70,8 @@ def traces_of(entity: Any, matrix: Matrix, place: Place, layer: str, bearing: bo
     up: FloatArray = np.asarray(normal / np.linalg.norm(normal), dtype=np.float64)
     across = _axes(up)[:2].T
     own = entity.dxf.get("thickness", 0.0) if entity.dxf.is_supported("thickness") else 0.0
-    depth = float(own) * float(np.linalg.norm(matrix[0][2]))
+    # Along the normal of its plane, whichever way an insert stretches it.
+    depth = float(own) * float(np.linalg.norm(extrusion) / np.linalg.norm(normal))
     out: list[Trace] = []
     scale = float(np.linalg.norm(matrix[0] @ across[:, 0]))
     for line, added in drawn:

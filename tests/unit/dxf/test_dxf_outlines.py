@@ -667,6 +667,23 @@ def test_polylines_in_an_upright_plane_are_stones_where_they_are_drawn(turn: flo
     assert len(find_contacts(stones).blocks) == 2 * 3 + 3 * 2 + 3
 
 
+def test_an_insert_stretches_the_thickness_of_outlines_along_their_own_plane(tmp_path: Path) -> None:
+    """A wall along x and one along y, 250 mm thick in their block, which is drawn twice as deep and half as long."""
+
+    def draw(space: Any) -> None:
+        block = space.doc.blocks.new("WALLS")
+        # The axes of a plane that looks along y: x, and z upwards.
+        for extrusion, along in (((0, -1, 0), 0.0), ((1, 0, 0), 2000.0)):
+            corners = [(along, 0), (along + 1000, 0), (along + 1000, 500), (along, 500)]
+            block.add_lwpolyline(corners, close=True, dxfattribs={"extrusion": extrusion, "thickness": 250})
+        space.add_blockref("WALLS", (0, 0), dxfattribs={"xscale": 0.5, "yscale": 2.0, "zscale": -1.5})
+
+    stones = read(drawn(tmp_path / "a.dxf", draw, ground=False), support="base", plane="xy").stones
+    free = np.flatnonzero(~stones.fixed)
+    sizes = [np.ptp(stones.points[slice(*stones.block_point_ptr[k : k + 2])], axis=0) for k in free]
+    np.testing.assert_allclose(sizes, [(0.5, 0.5, 0.75), (0.125, 2.0, 0.75)], atol=1e-12)
+
+
 def test_a_ring_beside_stones_cut_along_a_fine_polyline_is_divided_as_finely(tmp_path: Path) -> None:
     """Spandrels with a corner every 12 mm: one mean of all these corners left the voussoirs with chords of 170 mm, to which
     neighbouring facets grew by so unlike lengths that spandrels crossed themselves."""
