@@ -1,7 +1,7 @@
 """The solids of a drawing: meshes, polyface meshes, bags of 3D faces and planar ACIS solids, welded and closed."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, cast
 
@@ -20,7 +20,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from churchpipe.dxf.schema import CORNER_TOLERANCE, LARGEST_COORDINATE
-from churchpipe.geometry.mending import NEARLY, REPAIRS, mend, signed_volumes
+from churchpipe.geometry.hollows import with_voids
+from churchpipe.geometry.mending import NEARLY, REPAIRS, mend
 from churchpipe.geometry.parts import parts_of
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.surfaces import DOUBLED, edges, without_repeats
@@ -47,7 +48,8 @@ class Body:
     """A polyhedron in drawing units: points (n, 3) and faces as tuples of indices, outward when `flaw` is empty.
 
     flaw: why it is no stone ("" when it is one); spot (3,): where, as far as one point tells; warp: how far the corners of a
-    face lay out of its plane before it was split into triangles, 0 when none did.
+    face lay out of its plane before it was split into triangles, 0 when none did. voids: how many other bodies of its entity
+    bound voids, in it or, of the first of several, in any of them.
     """
 
     points: FloatArray
@@ -55,6 +57,7 @@ class Body:
     flaw: str = ""
     spot: tuple[float, float, float] | None = None
     warp: float = 0.0
+    voids: int = 0
 
     @property
     def size(self) -> float:
@@ -101,28 +104,22 @@ def smoothness(entity: Any) -> int:
 
 
 def _parted(points: FloatArray, faces: list[tuple[int, ...]]) -> list[Body]:
-    """Return each closed part of a mesh as a body; the whole where a part is open, or bounds a hollow in another one."""
+    """Return each closed part of a mesh as a body, with the voids that other parts bound in it; the whole where one is open."""
     whole = make_body(points, faces)
     if not len(whole.points) or not is_sane(points) or max(map(max, faces)) >= len(points):
         return [whole]
-    parts = [[faces[number] for number in part] for part in parts_of(points, faces)]
-    if len(parts) < 2 or _hollow(points, parts):
-        return [whole]
+    shells = parts_of(points, faces)
+    parts = [[faces[number] for number in part] for part in with_voids(points, faces, shells)]
+    voids = len(shells) - len(parts)
+    if len(parts) < 2:
+        return [replace(whole, voids=voids)]
     bodies: list[Body] = []
     for part in parts:
         used, inverse = np.unique(np.concatenate(part), return_inverse=True)
         around = np.split(inverse.ravel(), np.cumsum([len(face) for face in part])[:-1])
         bodies.append(make_body(points[used], [tuple(face.tolist()) for face in around]))
+    bodies[0] = replace(bodies[0], voids=voids)
     return [whole] if any(body.flaw for body in bodies) else bodies
-
-
-def _hollow(points: FloatArray, parts: Sequence[Sequence[tuple[int, ...]]]) -> bool:
-    """Return whether a part lies in the box of another one and faces the other way."""
-    corners = [points[sorted({node for face in part for node in face})] for part in parts]
-    low, high = (np.array([edge(own, axis=0) for own in corners]) for edge in (np.min, np.max))
-    inside = ((low[:, None] > low) & (high[:, None] < high)).all(axis=2)
-    volume = signed_volumes([(points, part) for part in parts])
-    return bool((inside & (volume[:, None] * volume < 0)).any())
 
 
 def make_body(points: FloatArray, faces: Iterable[Sequence[int]]) -> Body:

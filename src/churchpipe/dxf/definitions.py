@@ -30,6 +30,7 @@ from churchpipe.findings import Finding, Place
 from churchpipe.geometry.mending import CLOSE
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.wording import counted
 
 Matrix = tuple[FloatArray, FloatArray]
 
@@ -156,6 +157,14 @@ def warped(warp: float, place: Place) -> Finding:
     return place.finding("W10", found, lengths=(warp,))
 
 
+def hollow(place: Place, voids: int) -> list[Finding]:
+    """Return what is to be said of so many bodies within stones whose faces look the other way."""
+    if not voids:
+        return []
+    found = f"{counted(voids, 'body', 'bodies')} within a stone, with faces that look the other way, taken for voids in it"
+    return [place.finding("W29", found, remedy="Turn the faces, and make room for it, if it is a stone.")]
+
+
 def transformed(points: FloatArray, matrix: Matrix) -> FloatArray:
     """Return points (n, 3) moved by a matrix: rows of its 3 x 3 part are the images of the axes."""
     # Where a number becomes too large, whoever takes the points says so.
@@ -177,6 +186,7 @@ def _solids(entity: Any, block: str, matrix: Matrix, findings: list[Finding]) ->
             found = f"{len(bodies)} solids in one entity; each is a stone"
             where = _place(entity, block, matrix, bodies[0].points[0])
             findings.append(where.finding("W42", found, remedy="Draw each as an entity of its own if the case is to name them."))
+        findings += hollow(place, sum(body.voids for body in bodies))
         if level := smoothness(entity):
             found = f"the mesh is shown smoothed, to level {level}: what is seen is rounder and smaller than its faces"
             remedy = "Set its smoothness to none if its faces are those of the stone, or convert it to a solid."

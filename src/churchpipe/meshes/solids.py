@@ -8,11 +8,13 @@ from typing import Final
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from churchpipe.dxf.definitions import hollow
 from churchpipe.dxf.reading import Up
 from churchpipe.dxf.schema import LARGEST_COORDINATE
 from churchpipe.dxf.stones import Stone
 from churchpipe.findings import Finding, Place
 from churchpipe.geometry.degenerate import degenerate
+from churchpipe.geometry.hollows import with_voids
 from churchpipe.geometry.manifolds import manifold, polyhedron
 from churchpipe.geometry.mending import BARE, REPAIRS, SPLIT, WELDED, Mended, flat, mend
 from churchpipe.geometry.parts import parts_of
@@ -65,7 +67,10 @@ def parted(source: Source) -> list[Parted]:
         without_area += len(given.faces) - len(body.faces)
         parts: list[tuple[FloatArray, list[Face]]] = []
         materials: list[str] = []
-        for part in [[k] for k in range(len(body.faces))] if source.flat else parts_of(body.points, body.faces):
+        shells = [[k] for k in range(len(body.faces))] if source.flat else parts_of(body.points, body.faces)
+        stones = shells if source.flat else with_voids(body.points, body.faces, shells)
+        source.findings += hollow(body.place, len(shells) - len(stones))
+        for part in stones:
             used, inverse = np.unique(np.concatenate([body.faces[number] for number in part]), return_inverse=True)
             sizes = np.cumsum([len(body.faces[number]) for number in part])[:-1]
             parts.append((body.points[used], [tuple(face.tolist()) for face in np.split(inverse.ravel(), sizes)]))

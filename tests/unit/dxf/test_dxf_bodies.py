@@ -13,7 +13,7 @@ from churchpipe.dxf.reader import Drawing, read_drawing
 from churchpipe.findings import FindingsError
 from churchpipe.model.arrays import FloatArray
 from churchpipe.stones.contacts import find_contacts
-from dxf_models import box
+from dxf_models import box, prism
 
 
 def mesh_of(solids: Sequence[tuple[FloatArray, Sequence[Sequence[int]]]], *, welded: bool = False) -> MeshBuilder:
@@ -55,6 +55,23 @@ def test_a_hollow_stone_is_one(tmp_path: Path) -> None:
     free = ~drawing.stones.fixed
     assert drawing.stones.volume[free].tolist() == [pytest.approx(1 - 0.125)]
     assert "W42" not in drawing.findings.codes
+    assert "1 body within a stone, with faces that look the other way" in str(drawing.findings)
+
+
+def test_a_body_turned_inside_out_beside_others_is_no_void(tmp_path: Path) -> None:
+    """It lies in the box of an L, not in the L: all three were one stone, in silence."""
+    corner = prism(np.array([(0, 0), (2, 0), (2, 0.5), (0.5, 0.5), (0.5, 2), (0, 2)]), 1.0)
+    points, faces = box((1, 1, 0.25), (0.5, 0.5, 0.5))
+    drawing = read(mesh_of([corner, (points, [face[::-1] for face in faces]), box((4, 0, 0), (1, 1, 1))]), tmp_path / "a.dxf")
+    assert drawing.stones.volume[~drawing.stones.fixed].tolist() == [pytest.approx(volume) for volume in (1.75, 0.125, 1.0)]
+
+
+def test_of_several_bodies_one_may_be_hollow(tmp_path: Path) -> None:
+    points, faces = box((0.25, 0.25, 0.25), (0.5, 0.5, 0.5))
+    solids = [box((0, 0, 0), (1, 1, 1)), (points, [face[::-1] for face in faces]), box((1, 0, 0), (1, 1, 1))]
+    drawing = read(mesh_of(solids), tmp_path / "a.dxf")
+    assert drawing.stones.volume[~drawing.stones.fixed].tolist() == [pytest.approx(volume) for volume in (0.875, 1.0)]
+    assert {"W29", "W42"} <= set(drawing.findings.codes)
 
 
 def test_an_open_part_leaves_the_mesh_whole_and_is_told(tmp_path: Path) -> None:

@@ -400,3 +400,15 @@ def test_triangles_that_are_lines_are_left_out_and_those_that_close_a_gap_stay(t
     closed = [*(face for k, face in enumerate(faces) if k != number), *split, line]
     assert degenerate(points, [tuple(face) for face in closed]) == []
     assert degenerate(points, [*map(tuple, closed), (0, 0, 1)]) == [len(closed)]
+
+
+def test_a_hollow_stone_weighs_what_it_has(tmp_path: Path) -> None:
+    """The body that bounds the void was turned to look outwards, so that it was a stone within a stone."""
+    inner = box((0.25, 0.75), (0.25, 0.75), (0.125, 0.375))[0]
+    points = np.concatenate([LOW, inner])
+    faces = [*BOX_FACES, *([8 + node for node in face[::-1]] for face in BOX_FACES)]
+    stones, findings = cp.read_stones(obj(tmp_path / "a.obj", GROUND, ("low", points, faces), TOWER[1]))
+    assert set(findings.codes) == ALWAYS | {"W29"}
+    assert stones.block_id.tolist() == ["ground", "low", "high"]
+    np.testing.assert_allclose(stones.volume[1:], [0.5 - 0.0625, 0.5])
+    cp.check_soundness(stones, cp.find_contacts(stones))
