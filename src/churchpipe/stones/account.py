@@ -7,15 +7,20 @@ from typing import Annotated
 
 import numpy as np
 
-from churchpipe.model.arrays import FloatArray, IntArray
+from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.contacts import TOUCHING, Contacts
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.quantities import Quantity
+from churchpipe.stones.contact_tolerances import thicknesses
 from churchpipe.wording import counted
 
 # How many stones, or pairs of stones, a message names.
 NAMED = 8
+TOO_WIDE = (
+    "No contact gap joins faces farther apart than half the thickness of the thinner stone: grow the stones into their joints "
+    "(--joint without --joint-mode keep), or draw them so that they meet."
+)
 # The tolerances of a case as options of the command line.
 _OPTIONS = {
     "contact_gap_mm": "--contact-gap {:g}mm",
@@ -130,6 +135,7 @@ def joint_account(stones: Assemblage, contacts: Contacts) -> tuple[NearMissAccou
     widest, deepest = contacts.gap.max(axis=1, initial=0.0), (-contacts.gap).max(axis=1, initial=0.0)
     largest = np.argsort(-near.area, kind="stable")[:NAMED]
     found = NearMissAccount(0)
+    near_enough = np.flatnonzero(_can_be_joined(stones, contacts)) if len(near) else np.zeros(0, dtype=np.int64)
     if len(near):
         found = NearMissAccount(
             len(near),
@@ -137,7 +143,7 @@ def joint_account(stones: Assemblage, contacts: Contacts) -> tuple[NearMissAccou
             (float(near.angle.min()), float(near.angle.max())),
             near_miss_share(contacts),
             tuple(_near_miss(stones, contacts, row) for row in largest.tolist()),
-            tolerances_that_join(contacts, np.arange(len(near))),
+            tolerances_that_join(contacts, near_enough) if len(near_enough) else {},
         )
     closed = Closed(int((widest > TOUCHING).sum()), float(widest.max(initial=0.0)))
     deep = Interpenetrating(int((deepest > TOUCHING).sum()), float(deepest.max(initial=0.0)))
@@ -167,7 +173,7 @@ def joint_lines(near: NearMissAccount, now: JointTolerances, *, typed: bool = Fa
         lines.append(
             f"Near misses: {pairs} no joint, {low} to {high} mm apart and up "
             f"to {math.degrees(near.angle[1]):.3g} degrees from parallel, {100 * near.area_share:.2g} % of all area that meets "
-            f"or nearly meets. The largest: {named}. {remedy} makes joints of them."
+            f"or nearly meets. The largest: {named}. " + (f"{remedy} makes joints of them." if near.joined_by else TOO_WIDE)
         )
     return lines
 
@@ -184,11 +190,21 @@ def remedy_words(stones: Assemblage, contacts: Contacts, rows: IntArray) -> str:
     order = rows[np.argsort(-near.area[rows], kind="stable")]
     named = "; ".join(near_miss_words(_near_miss(stones, contacts, row)) for row in order[:NAMED].tolist())
     more = f"; and {len(rows) - NAMED} more" if len(rows) > NAMED else ""
-    wanted = tolerances_that_join(contacts, rows)
-    return (
-        f"Faces that nearly meet: {named}{more}. Close the gaps, or join them with {_typed(wanted)} of check and import, "
-        f"{_settings(wanted)} in [rigid] of a case, find_contacts(stones, {_arguments(wanted)}) in Python."
-    )
+    words = f"Faces that nearly meet: {named}{more}. Close the gaps"
+    near_enough = rows[_can_be_joined(stones, contacts)[rows]]
+    if len(near_enough):
+        wanted = tolerances_that_join(contacts, near_enough)
+        words += (
+            f", or join them with {_typed(wanted)} of check and import, {_settings(wanted)} in [rigid] of a case, "
+            f"find_contacts(stones, {_arguments(wanted)}) in Python"
+        )
+    return words + "." + (f" {TOO_WIDE}" if len(near_enough) < len(rows) else "")
+
+
+def _can_be_joined(stones: Assemblage, contacts: Contacts) -> BoolArray:
+    """Return which near misses (n,) a tolerance can make joints of: none joins stones farther apart than half their thickness."""
+    near = contacts.near_misses
+    return np.abs(near.gap) <= 0.5 * thicknesses(stones)[near.stones].min(axis=1) + TOUCHING
 
 
 def _near_miss(stones: Assemblage, contacts: Contacts, row: int) -> NearMiss:

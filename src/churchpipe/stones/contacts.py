@@ -121,8 +121,8 @@ def _meet(facets: Facets, found: Overlaps, limits: Limits) -> BoolArray:
     half = 0.5 * limits.thickness[facets.stone[found.side]].min(axis=1)
     allowed = limits.tolerances
     return (
-        (found.opening <= np.minimum(allowed.contact_gap + TOUCHING, half))
-        & (found.penetration <= np.minimum(allowed.overlap + TOUCHING, half))
+        (found.opening <= np.minimum(allowed.contact_gap, half) + TOUCHING)
+        & (found.penetration <= np.minimum(allowed.overlap, half) + TOUCHING)
         & (found.angle <= allowed.contact_angle)
         & ((found.lean <= allowed.contact_angle) | (found.area > BENT_SHARE * facets.area[found.side].min(axis=1)))
         & (found.middle - found.slack <= limits.middle)

@@ -9,6 +9,7 @@ from churchpipe.errors import InputError
 from churchpipe.geometry import planar
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.stones import soundness
+from churchpipe.stones.account import joint_account, joint_lines
 from churchpipe.stones.contacts import find_contacts
 from churchpipe.stones.self_crossing import self_crossing_stones
 from churchpipe.stones.soundness import (
@@ -108,6 +109,22 @@ def test_a_stone_that_floats_over_a_gap_is_named_with_the_gap_that_would_join_it
     assert "B1 and B2, 50 mm and 0 degrees, at (0.5, 0.5, 1.025) m" in str(error.value)
     assert "contact_gap_mm = 50 in [rigid]" in str(error.value)
     check_soundness(stones, find_contacts(stones, contact_gap=0.05))
+
+
+@pytest.mark.parametrize(("thickness", "joined"), [(0.021, True), (0.02, True), (0.018, False)])
+def test_no_gap_is_proposed_that_does_not_join_thin_stones(thickness: float, joined: bool) -> None:
+    """Tiles in mortar of 10 mm: the message told to give the gap that had been given."""
+    tile = box((0, 1), (0, 1), (1.01, 1.01 + thickness))
+    stones = on_ground(CUBE, tile, box((0, 1), (0, 1), (1.02 + thickness, 2)))
+    contacts = find_contacts(stones, contact_gap=0.015)
+    if joined:
+        check_soundness(stones, contacts)
+        return
+    with pytest.raises(InputError, match=r"Close the gaps\. No contact gap joins .* half the thickness of the thinner stone"):
+        check_soundness(stones, contacts)
+    found, now = joint_account(stones, contacts)
+    assert found.joined_by == {}
+    assert "No contact gap joins" in " ".join(joint_lines(found, now))
 
 
 def test_a_stone_that_hangs_over_a_gap_is_named() -> None:
