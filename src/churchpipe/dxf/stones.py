@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from ezdxf.entities.insert import Insert
 from ezdxf.entities.polyline import Polymesh
+from ezdxf.entities.solid import Solid
 from ezdxf.xclip import XClip
 
 from churchpipe.dxf import schema
@@ -177,6 +178,8 @@ def _visit(found: Survey, content: Definition, branch: _Branch) -> None:
             found.left_out["polygon meshes (explode them to 3D faces)"] += 1
         elif layer in found.hidden.all or other.dxf.invisible:
             found.left_out[HIDDEN] += 1
+        elif isinstance(other, Solid) and len(other.wcs_vertices()) < 4:
+            found.left_out[f"{other.dxftype()} of three corners, as arrowheads are"] += 1
         else:
             _gather_traces(found, other, branch, layer)
     for insert in content.inserts:

@@ -16,7 +16,7 @@ from churchpipe.findings import Place
 from churchpipe.geometry.planar import nested, polygon
 from churchpipe.model.arrays import FloatArray
 
-# Areas: bounded by paths, of which some may be voids, or by three or four corners.
+# Areas: bounded by paths, of which some may be voids, or by four corners.
 BOUNDED: Final = ("HATCH", "MPOLYGON")
 AREAS: Final = (*BOUNDED, "SOLID", "TRACE")
 KINDS: Final = ("LWPOLYLINE", "POLYLINE", "LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", *AREAS)

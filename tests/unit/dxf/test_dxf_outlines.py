@@ -115,10 +115,7 @@ WAYS: dict[str, tuple[Callable[[Any], object], list[str]]] = {
     "a polygon with a filling": (lambda space: space.add_mpolygon().paths.add_polyline_path(BRICK, is_closed=True), []),
     "a filled area of four corners": (lambda space: space.add_solid(CROSSWISE), []),
     "the same of old": (lambda space: space.add_trace(CROSSWISE), []),
-    "an outline filled by two triangles": (
-        lambda space: [space.add_lwpolyline(BRICK, close=True), space.add_solid(BRICK[:3]), space.add_solid(BRICK[1:])],
-        [],
-    ),
+    "a filled area on its outline": (lambda space: [space.add_lwpolyline(BRICK, close=True), space.add_solid(CROSSWISE)], []),
     "four lines": (lambda space: [space.add_line(a, b) for a, b in zip(BRICK, BRICK[1:] + BRICK[:1], strict=True)], []),
     "its own thickness": (lambda space: space.add_lwpolyline(BRICK, close=True, dxfattribs={"thickness": 120.0}), []),
 }
@@ -531,6 +528,18 @@ def test_a_wheel_of_two_circles_and_spokes_has_stones_alike(tmp_path: Path) -> N
 def test_outlines_that_are_none_are_errors_with_their_place(points: list, what: str, tmp_path: Path) -> None:
     text = str(findings_of(drawn(tmp_path / "a.dxf", lambda space: space.add_lwpolyline(points, close=True))))
     assert f"m: the outline {what}" in text
+
+
+def test_arrowheads_of_a_dimension_that_was_exploded_are_left_out(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        space.add_lwpolyline(BRICK, close=True)
+        space.add_line((0, 100), (250, 100))
+        for tip, way in ((0, 1), (250, -1)):
+            space.add_solid([(tip, 100), (tip + 10 * way, 103), (tip + 10 * way, 97)])
+
+    drawing = read(drawn(tmp_path / "a.dxf", draw))
+    assert (~drawing.stones.fixed).sum() == 1
+    assert "2 SOLID of three corners, as arrowheads are" in str(drawing.findings)
 
 
 def test_points_are_passed_over_and_texts_and_dimensions_counted(tmp_path: Path) -> None:
