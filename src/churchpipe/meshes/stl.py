@@ -18,7 +18,7 @@ def read_stl(path: Path) -> Source:
     if len(data) >= HEADER and len(data) == HEADER + _FACET.itemsize * facets:
         corners = np.frombuffer(data, dtype=_FACET, offset=HEADER)["corner"].astype(np.float64)
         return Source([_body(corners.reshape(-1, 3), "")] if facets else [], "stl")
-    if re.match(rb"\s*solid\b", data) and b"\0" not in data:
+    if re.match(rb"\s*solid\b", data, re.IGNORECASE) and b"\0" not in data:
         return _read_text(path)
     held = max(len(data) - HEADER, 0) / _FACET.itemsize
     found = f"the file announces {facets} facets and holds {held:g}"

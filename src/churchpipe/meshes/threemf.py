@@ -34,7 +34,10 @@ Matrix = tuple[FloatArray, FloatArray]
 
 
 def read_3mf(path: Path) -> Source:
-    """Read a 3MF: each object on the build plate is a body, its components followed."""
+    """Read a 3MF: each object on the build plate is a body, its components followed.
+
+    A component without a name, or the only one of its object, has the name of the object.
+    """
     read_bytes(path, "3mf")
     try:
         with zipfile.ZipFile(path) as archive:
@@ -81,14 +84,22 @@ def _place(
     matrix: Matrix,
     name: str,
     depth: int,
+    *,
+    sole: bool = False,
 ) -> None:
+    """Add the bodies of an item or a component to the source.
+
+    name: of the object that it is a component of; sole: whether it is the only one.
+    """
     if depth > DEEPEST:
         raise ValueError("components nested too deep")
     thing = objects[item.get("objectid", "")]
-    name = thing.get("name") or name
-    for component in thing.iter(f"{CORE}component"):
+    name = name if sole and name else thing.get("name") or name
+    components = [*thing.iter(f"{CORE}component")]
+    for component in components:
         inner = _matrix(component.get("transform"))
-        _place(source, objects, bases, component, (inner[0] @ matrix[0], inner[1] @ matrix[0] + matrix[1]), name, depth + 1)
+        placed = inner[0] @ matrix[0], inner[1] @ matrix[0] + matrix[1]
+        _place(source, objects, bases, component, placed, name, depth + 1, sole=len(components) == 1)
     mesh = thing.find(f"{CORE}mesh")
     if mesh is None:
         return

@@ -412,3 +412,38 @@ def test_a_hollow_stone_weighs_what_it_has(tmp_path: Path) -> None:
     assert stones.block_id.tolist() == ["ground", "low", "high"]
     np.testing.assert_allclose(stones.volume[1:], [0.5 - 0.0625, 0.5])
     cp.check_soundness(stones, cp.find_contacts(stones))
+
+
+def test_a_text_stl_in_capitals_is_read(tmp_path: Path) -> None:
+    lines: list[str] = []
+    for name, points, faces in (GROUND, *TOWER):
+        lines.append(f"SOLID {name}")
+        for face in triangles(points, faces):
+            corners = ["VERTEX {:.6E} {:.6E} {:.6E}".format(*points[node]) for node in face]
+            lines += ["FACET NORMAL 0 0 0", "OUTER LOOP", *corners, "ENDLOOP", "ENDFACET"]
+        lines.append("ENDSOLID")
+    (tmp_path / "a.stl").write_bytes("\r\n".join(lines).encode())
+    stones, _ = cp.read_stones(tmp_path / "a.stl", unit_weight=18e3)
+    assert stones.block_id.tolist() == ["ground", "low", "high"]
+    np.testing.assert_allclose(stones.volume[1:], 0.5)
+
+
+def test_the_only_component_of_a_3mf_object_has_its_name(tmp_path: Path) -> None:
+    """The shape that several stones share was called alike in all of them, and the ground was no ground."""
+    core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+    corners = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in box((0, 1), (0, 1), (0, 1))[0].tolist())
+    sides = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*face) for face in triangles(LOW, BOX_FACES))
+    shape = f"<mesh><vertices>{corners}</vertices><triangles>{sides}</triangles></mesh>"
+    objects = f'<object id="1" name="cube">{shape}</object>'
+    places = {"ground": "3 0 0 0 3 0 0 0 .5 -1 -1 -.5", "low": "1 0 0 0 1 0 0 0 .5 0 0 0", "high": "-1 0 0 0 1 0 0 0 .5 1 0 .5"}
+    for number, (name, place) in enumerate(places.items(), 2):
+        component = f'<component objectid="1" transform="{place}"/>'
+        objects += f'<object id="{number}" name="{name}"><components>{component}</components></object>'
+    items = "".join(f'<item objectid="{number}"/>' for number in (2, 3, 4))
+    with zipfile.ZipFile(tmp_path / "a.3mf", "w") as archive:
+        model = f'<model unit="meter" xmlns="{core}"><resources>{objects}</resources><build>{items}</build></model>'
+        archive.writestr("3D/3dmodel.model", model)
+    stones, _ = cp.read_stones(tmp_path / "a.3mf", unit_weight=18e3)
+    assert stones.block_id.tolist() == ["ground", "low", "high"]
+    assert stones.fixed.tolist() == [True, False, False]
+    assert len(cp.find_contacts(stones).area) == 2
