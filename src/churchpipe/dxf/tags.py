@@ -15,7 +15,9 @@ OTHERS = frozenset({b"SEQEND", b"ENDBLK", b"TEXT", b"MTEXT"})
 # Group codes that an entity has once: its handle, its layer.
 HANDLE, LAYER = b"5", b"8"
 # What outlines and hatches consist of: its name, the group code that begins each, the one that says how many there are.
-COUNTS = {"LWPOLYLINE": ("corners", b"10", b"90"), "HATCH": ("boundaries", b"92", b"91")}
+COUNTS = {"LWPOLYLINE": ("corners", b"10", b"90"), **dict.fromkeys(("HATCH", "MPOLYGON"), ("boundaries", b"92", b"91"))}
+# The group codes of x and y of the four corners of a filled area; one that is missing is read as the origin.
+FOUR_CORNERS = frozenset({b"10", b"11", b"12", b"13", b"20", b"21", b"22", b"23"})
 _ZERO = re.compile(rb"[+-]?0*\.?0*([eE].*)?")
 
 
@@ -55,6 +57,8 @@ def damage(entity: Entity) -> Finding | None:
     elif parts and said != str(count):
         found = f"it has {count} {parts}, and says that there are {said}"
         expected = f"the same number in its group {of_number.decode()}"
+    elif entity.kind in ("SOLID", "TRACE") and not set(entity.codes) >= FOUR_CORNERS:
+        found, expected = "it lacks a coordinate of a corner", "four corners"
     elif entity.kind == "INSERT" and any(_ZERO.fullmatch(entity.first(code, b"1")) for code in (b"41", b"42", b"43")):
         # The parser reads such a scale as 1.
         found, expected = "the insert has the scale 0 along an axis", "a scale that leaves a body"

@@ -7,6 +7,7 @@ from typing import Any, Final
 import numpy as np
 from ezdxf import path as paths
 from ezdxf.entities.boundary_paths import EdgePath, LineEdge
+from ezdxf.entities.solid import Solid
 from ezdxf.lldxf import const
 from ezdxf.math import Vec3
 
@@ -104,6 +105,9 @@ def _path(entity: Any) -> Any:
     if entity.dxftype() == "POLYLINE" and entity.dxf.flags & entity.SPLINE_FIT_VERTICES_ADDED:
         entity = entity.copy()
         entity.vertices[:] = [v for v in entity.vertices if not v.dxf.flags & v.SPLINE_FRAME_CONTROL_POINT]
+    if isinstance(entity, Solid) and not np.isfinite([tuple(corner) for corner in entity.wcs_vertices()]).all():
+        # The path would go past such a corner.
+        raise ValueError("a coordinate of a corner is no number")
     return paths.make_path(entity)
 
 

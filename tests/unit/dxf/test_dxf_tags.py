@@ -83,3 +83,20 @@ def test_bytes_that_are_no_text_are_read_as_western_european(wall: Path) -> None
     findings = findings_of(wall)
     assert "W46" in findings.codes
     assert "SÜD (12)" in str(findings)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        (b" 11\n1.0\n 21\n0.0\n", b"", "it lacks a coordinate of a corner"),
+        (b" 22\n0.5\n", b"", "it lacks a coordinate of a corner"),
+        (b" 11\n1.0\n", b" 11\n1e400\n", "a coordinate of a corner is no number"),
+    ],
+)
+def test_a_filled_area_that_lost_a_corner_is_no_smaller_stone(old: bytes, new: bytes, says: str, tmp_path: Path) -> None:
+    document = ezdxf.new("R2010", units=6)
+    document.modelspace().add_solid([(0, 0), (1, 0), (0, 0.5), (1, 0.5)], dxfattribs={"thickness": 0.25})
+    document.saveas(tmp_path / "a.dxf")
+    change(tmp_path / "a.dxf", lambda data: data.replace(old, new))
+    assert says in str(findings_of(tmp_path / "a.dxf"))
+    assert "E03" in findings_of(tmp_path / "a.dxf").codes
