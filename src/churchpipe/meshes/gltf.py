@@ -36,7 +36,9 @@ def read_gltf(path: Path) -> Source:
     except (*BAD_SCENE, RecursionError) as error:
         raise _damaged(path, f"{type(error).__name__} {error}") from error
     if len(placed) != announced:
-        raise _damaged(path, f"{announced} meshes stand in its nodes, {len(placed)} of them can be read in its scene")
+        found = f"{announced} meshes stand in its nodes, and {len(placed)} of them can be read in the scene that is shown"
+        remedy = "Export it again, with all that belongs to the building in one scene."
+        raise refused(path, "gltf", "E03", found, expected="all of them", remedy=remedy)
     source = Source([], "gltf", unit="m", up="y")
     others: Counter[str] = Counter()
     parts: dict[str, list[Body]] = {}

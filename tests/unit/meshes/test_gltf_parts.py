@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import churchpipe as cp
+from churchpipe.findings import FindingsError
 from churchpipe.model.arrays import FloatArray
 from solids import box
 
@@ -72,3 +73,11 @@ def test_parts_that_close_are_bodies_with_the_same_names_at_each_reading(tmp_pat
     assert first.block_id.tolist() == second.block_id.tolist() == [f"all-{n}" for n in range(1, 6)]
     assert first.material.tolist() == ["ground", "stone0", "stone1", "stone2", "stone3"]
     assert first.fixed.tolist() == [True, False, False, False, False]
+
+
+def test_stones_in_another_scene_are_not_lost(tmp_path: Path) -> None:
+    """They are not shown; whether they belong to the building nobody can tell."""
+    file = glb(tmp_path / "a.glb", {"ground": [(*GROUND, "rock")], "stone": [(*WALL[0], "brick")]})
+    file.write_bytes(file.read_bytes().replace(b'"scenes": [{"nodes": [0, 1]}]', b'"scenes": [{"nodes": [0]   }]'))
+    with pytest.raises(FindingsError, match=r"E03 .*2 meshes stand in its nodes, and 1 of them can be read .*in one scene"):
+        cp.read_stones(file, unit_weight=18e3)
