@@ -5,10 +5,14 @@ from typing import Literal
 import pytest
 
 from churchpipe.generators import box, wall
+from churchpipe.generators.house import house
 from churchpipe.homogenised_shell.limit import shell_limit_analysis
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
+from churchpipe.rigid_blocks.limit import limit_analysis
 from churchpipe.shell_mesh.shell import derive_shell
+from churchpipe.stones.blocks import derive_blocks
+from churchpipe.stones.contacts import find_contacts
 
 BOX = pytest.mark.slow("docs/shell_results.md: Walls and boxes of several bonds")
 STONE = (Material("default", 18e3, 0.6),)
@@ -66,3 +70,27 @@ def test_a_box_of_two_leaves(headers: Literal["english", "flemish", "none"], exp
     state = shell_limit_analysis(derive_shell(building, element_size=0.6), LoadCase(ALONG), STONE)
     assert state.status == "optimal"
     assert state.load_factor == pytest.approx(expected, abs=2e-5)
+
+
+def test_columns_of_a_stack_between_cross_walls_fall_each_for_itself() -> None:
+    """Our own figures of docs/limits.md: a front of 4 x 3 m, .25 m thick, on cross walls of 2 m.
+
+    Without dilatancy columns of stones step out beside each other, each at b / h. A shell bends there, but has no steps.
+    """
+    cross = [{"name": name, "start": (x, 0.0), "end": (x, 2.0)} for name, x in (("left", 0.125), ("right", 3.875))]
+    building = house(
+        course=0.25,
+        stone_length=0.5,
+        height=3.0,
+        thickness=0.25,
+        walls=[{"name": "front", "start": (0.0, 0.0), "end": (4.0, 0.0)}, *cross],
+        bonds=[{"wall": "front", "pattern": "stack"}],
+        materials=STONE,
+    )
+    stones, push = derive_blocks(building), LoadCase((0, -1, 0))
+    contacts = find_contacts(stones)
+    sliding = limit_analysis(stones, contacts, push, 0.6, flow="non-associative")
+    assert sliding.load_factor == pytest.approx(0.25 / 3, rel=1e-4)
+    associative = limit_analysis(stones, contacts, push, 0.6)
+    shell = shell_limit_analysis(derive_shell(building, element_size=0.5), push, STONE)
+    assert (associative.load_factor, shell.load_factor) == (pytest.approx(0.157, abs=5e-4), pytest.approx(0.212, abs=5e-4))

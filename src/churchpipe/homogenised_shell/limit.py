@@ -8,13 +8,12 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from churchpipe.geometry.clusters import NODE_TOLERANCE
 from churchpipe.homogenised_shell.bounds import Bounds, proved_bounds
 from churchpipe.homogenised_shell.condensed import CondensedShell
 from churchpipe.homogenised_shell.element import Membrane, ShellElements, Stations, shell_elements
 from churchpipe.homogenised_shell.joint_groups import with_bearings
-from churchpipe.homogenised_shell.loads import pushed
 from churchpipe.homogenised_shell.settings import SOLVER
+from churchpipe.homogenised_shell.sliding_off import sliding_off
 from churchpipe.homogenised_shell.strength import with_warning
 from churchpipe.homogenised_shell.ties import tied_analysis
 from churchpipe.model.arguments import check_call, check_kind, listed, one_of
@@ -100,30 +99,9 @@ def shell_limit_analysis(
         return _solved(CondensedShell(elements, case, materials, planes), solver, looks, progress)
 
     state = tied_analysis(shell, load, bars, analysed) if bars else analysed(load)[0]
-    said = "" if bars else _sliding_off(shell, load, materials, state)
+    said = "" if bars else sliding_off(shell, load, materials, state)
     message = "; ".join(filter(None, (said, state.message)))
     return replace(state, seconds=perf_counter() - begin, message=with_warning(message, planes))
-
-
-def _sliding_off(shell: ShellModel, load: LoadCase, materials: Sequence[JointStrength], state: ShellLimitState) -> str:
-    """Return what to say where a shell without cohesion is pushed by more than friction holds on level ground, else ""."""
-    ground = np.unique(shell.material[shell.supported[shell.triangles].any(axis=1)]).tolist()
-    joints = [material for material in materials if material.name in ground]
-    if state.status != "optimal" or not joints or any(material.cohesion > 0 for material in joints):
-        return ""
-    if np.ptp(shell.points[shell.supported, 2]) >= NODE_TOLERANCE:
-        return ""
-    dead, live = (np.zeros(3) if given is None else given[:, :3].sum(axis=0) for given in (load.dead, load.live))
-    dead[2] -= shell.body_weight.sum()
-    x, y, z = dead + state.load_factor * (live + (pushed(shell, load) @ shell.body_weight) * load.direction)
-    along, down = float(np.hypot(x, y)), max(-float(z), np.finfo(float).tiny)
-    friction = max(material.friction for material in joints)
-    if along <= friction * down * (1 + SOLVER.duality_gap):
-        return ""
-    return (
-        f"the push is {along / down:.4g} of the weight, more than the friction of the joints, {friction:g}: stones slide off the "
-        "ground before, which the shell does not, so use their load factor"
-    )
 
 
 def _solved(condensed: CondensedShell, solver: Solver, looks: bool, progress: Progress | None) -> tuple[ShellLimitState, float]:
