@@ -70,6 +70,30 @@ def test_the_difference_of_two_curves_by_hand(curve: BlockCapacityCurve) -> None
         step_difference(line, None)  # pyright: ignore[reportArgumentType]
 
 
+def test_a_tie_that_tightens_or_breaks_within_a_step_sets_no_curves_apart() -> None:
+    """A joist that pulls a block back gets taut within its first 2 mm, and falls off after 80 mm: the block is one mechanism, by
+    plane geometry (`test_lost_seat.py`), however long the steps are."""
+    post = box((-3.5, -3), (0, 1), (0, 3))
+    stones = cp.Assemblage.from_polyhedra(
+        [box((-9, 9), (-9, 9), (-1, 0)), post, box((0, 0.3), (0, 1), (0, 3))], 18e3, fixed=[0, 1]
+    )
+    strength = 0.03 * stones.weight[2]
+    tie = cp.Tie("joist", (0, 0.5, 2.5), (-3, 0.5, 2.5), strength=strength, stiffness=2e6, ultimate=0.08, seated=True)
+    contacts = cp.find_contacts(stones)
+    whole, short = (cp.block_pushover(stones, contacts, PUSH, 0.6, [tie], step=0.03, halved=half) for half in (False, True))
+    # What is left is how far the load factor falls in half a step, after the joist is taut: a twentieth of the first one.
+    share, place = step_difference(whole, short)
+    assert place == short.displacement[1]
+    assert share == pytest.approx(0.05, abs=2e-3)
+    told = careful_check(whole, short, stones, PUSH, SITED).halved
+    assert "no single curve is to be relied on" not in told
+    # What lies beyond the ends of the step in which the joist breaks counts.
+    broke = int(np.argmax(np.diff(short.load_factor)[1:] < -0.02)) + 2
+    beyond = short.load_factor.copy()
+    beyond[broke] -= 0.03
+    assert step_difference(whole, replace(short, load_factor=beyond))[0] > 0.2
+
+
 def test_curves_that_are_apart_by_rounding_are_the_same(curve: BlockCapacityCurve) -> None:
     again = replace(curve, load_factor=curve.load_factor * (1 + 3e-9))
     told = careful_check(curve, again, TALL, PUSH, SITED).halved

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from churchpipe.model.arguments import check_kind, one_of
-from churchpipe.model.arrays import FloatArray, floats, store
+from churchpipe.model.arrays import BoolArray, FloatArray, floats, store
 from churchpipe.model.card import Shown
 from churchpipe.model.pictures import diagram
 from churchpipe.model.stone_path import StonePath
@@ -17,6 +17,8 @@ CURVE_STATUSES = ("vanished", "collapsed", "unfinished", "not-converged", "unsta
 
 # Curves that are apart by less than this share of the first load factor are one: the steps of either are known no better.
 ALIKE = 1e-5
+# A tie that takes up or loses more than this share of the most that it ever bears does so suddenly.
+_SUDDEN = 0.5
 
 
 def vanishing(displacement: FloatArray, load_factor: FloatArray) -> float:
@@ -83,7 +85,8 @@ def step_difference(curve: BlockCapacityCurve, halved: BlockCapacityCurve) -> tu
     """Return how far the load factors of two curves are apart, and at which displacement, m, for as far as both go.
 
     A share of the first load factor of the first one; NaN where one of them has no steps. Where a curve goes back, as in a snap,
-    it is taken from where it is further than ever before.
+    it is taken from where it is further than ever before. Within a step in which a tie tightens, breaks or hangs slack a curve
+    may have any load factor between those of the step's ends: where in the step that happens is not known.
 
     Raises
     ------
@@ -94,14 +97,37 @@ def step_difference(curve: BlockCapacityCurve, halved: BlockCapacityCurve) -> tu
     if not len(curve.displacement) or not len(halved.displacement):
         return np.nan, np.nan
     one, other = _advancing(curve), _advancing(halved)
-    place = np.union1d(one[0], other[0])
-    place = place[place <= min(one[0][-1], other[0][-1])]
-    apart = np.abs(np.interp(place, *one) - np.interp(place, *other)) / max(abs(curve.initial), 1e-12)
-    most = int(np.argmax(apart))
-    return float(apart[most]), float(place[most])
+    place = np.union1d(one.displacement, other.displacement)
+    place = place[place <= min(one.displacement[-1], other.displacement[-1])]
+    (low, high), (least, most) = one.range(place), other.range(place)
+    apart = np.maximum(np.maximum(low - most, least - high), 0.0) / max(abs(curve.initial), 1e-12)
+    widest = int(np.argmax(apart))
+    return float(apart[widest]), float(place[widest])
 
 
-def _advancing(curve: BlockCapacityCurve) -> tuple[FloatArray, FloatArray]:
+@dataclass(frozen=True, slots=True)
+class _Advancing:
+    """Steps (ns,) of a curve that go further than ever before; sudden (ns - 1,): whether a tie changes much between two."""
+
+    displacement: FloatArray
+    load_factor: FloatArray
+    sudden: BoolArray
+
+    def range(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the least and the greatest load factor (n,) that the curve may have at displacements (n,)."""
+        between = np.interp(place, self.displacement, self.load_factor)
+        step = np.searchsorted(self.displacement, place, side="left") - 1
+        within = ~np.isin(place, self.displacement)
+        within[within] = self.sudden[step[within]]
+        ends = self.load_factor[step[within, None] + np.array([0, 1])]
+        low, high = between.copy(), between
+        low[within], high[within] = ends.min(axis=1), ends.max(axis=1)
+        return low, high
+
+
+def _advancing(curve: BlockCapacityCurve) -> _Advancing:
     reach = np.maximum.accumulate(curve.displacement)
     further = np.append(True, curve.displacement[1:] > reach[:-1])
-    return curve.displacement[further], curve.load_factor[further]
+    tension = curve.tie_forces if len(curve.tie_forces) == len(further) else np.zeros((len(further), 0))
+    change, most = np.abs(np.diff(tension[further], axis=0)), tension.max(axis=0, initial=0.0)
+    return _Advancing(curve.displacement[further], curve.load_factor[further], (change > _SUDDEN * most).any(axis=1))
