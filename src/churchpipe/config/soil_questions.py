@@ -79,11 +79,21 @@ def _of_pressures(case: "Case") -> Iterator[str]:
         with suppress(InputError):  # Told, with its line, where the building is made.
             panels = case.laid().panels
     tops = {panel.name: float(lift(panel.chart, panel.outline)[:, 2].max()) for panel in panels}
+    upper = case.storeys_above()
+    pressed = {(pressure.wall, tuple(pressure.toward.tolist())) for pressure in case.carries.pressures}
     for number, pressure in enumerate(case.carries.pressures):
         top = tops.get(pressure.wall, np.inf)
+        above, _ = upper.get(pressure.wall, ("", top))
         # Higher ones are questioned by themselves.
-        if top + _LEVEL < pressure.top <= SURFACE.high:
+        if not top + _LEVEL < pressure.top <= SURFACE.high:
+            continue
+        if not above:
             yield (
                 f"pressures.{number}.top_m is {pressure.top:g}, and {pressure.wall} ends at z = {top:.4g} m: what is higher "
                 "would spill over the wall, and its weight is taken as one on the surface of what is below. Is it meant?"
+            )
+        elif (above, tuple(pressure.toward.tolist())) not in pressed:
+            yield (
+                f"pressures.{number}.top_m is {pressure.top:g}, and {pressure.wall} ends at z = {top:.4g} m, where {above} "
+                f'begins: what presses on that is left out. Is it meant? [[pressures]] with wall = "{above}" say it.'
             )

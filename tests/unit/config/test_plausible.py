@@ -148,6 +148,28 @@ def test_a_variant_that_changes_what_is_sampled_is_not_questioned(tmp_path: Path
     assert "draws material.default.friction from 0.3 to 0.4, and the case has 0.6" in question
 
 
+STOREYS = """
+[source]
+generator = "house"
+course_mm = 250
+stone_length_mm = 600
+height_m = 3.0
+thickness_mm = 400
+[[source.walls]]
+name = "a"
+start_mm = [0, 0]
+end_mm = [6000, 0]
+toward = "+y"
+thickness_mm = 600
+storeys = [{above_mm = 1500, thickness_mm = 400}]
+[material.default]
+unit_weight_kN_m3 = 18
+friction = 0.7
+[[load]]
+direction = [0, 1, 0]
+"""
+
+
 def but_of_shaken_soil(found: list[str], *, expected: bool) -> list[str]:
     """Return questions without that on soil in an earthquake, which is asked once of every case of soil and a check."""
     shaken = [text for text in found if text.startswith("An earthquake is checked, and [[pressures]]")]
@@ -163,6 +185,24 @@ def test_soil_above_its_wall_is_questioned(top: float, asked: int, tmp_path: Pat
     said = but_of_shaken_soil(questions([read_case(path, [soil])]), expected=True)
     assert len(said) == asked
     assert all(text.startswith(f"pressures.0.top_m is {top:g}, and wall ends at z = 2 m: what is higher") for text in said)
+
+
+def test_soil_beside_an_upper_storey_is_questioned_until_that_feels_it(tmp_path: Path) -> None:
+    path = tmp_path / "w.toml"
+    path.write_text(STOREYS)
+    soil = '{{wall="{}", toward=[0, 1, 0], unit_weight_kN_m3=18, top_m={}}}'
+    lower, upper = (soil.format(name, 2.25) for name in ("a", "a storey 2"))
+
+    def asked(*pressures: str) -> list[str]:
+        return [text for text in questions([read_case(path, [f"pressures=[{', '.join(pressures)}]"])]) if "pressures" in text]
+
+    assert asked(lower) == [
+        "pressures.0.top_m is 2.25, and a ends at z = 1.5 m, where a storey 2 begins: what presses on that is left out. Is it "
+        'meant? [[pressures]] with wall = "a storey 2" say it.'
+    ]
+    assert asked(lower, upper) == asked(soil.format("a", 1.5)) == []
+    [spills] = asked(lower, soil.format("a storey 2", 4.0))
+    assert spills.startswith("pressures.1.top_m is 4, and a storey 2 ends at z = 3 m: what is higher would spill over")
 
 
 def test_soil_in_an_earthquake_is_questioned(tmp_path: Path) -> None:
