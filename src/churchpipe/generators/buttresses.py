@@ -13,7 +13,7 @@ from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Junction, Panel, PlaneChart
 from churchpipe.model.buttress import Buttress
-from churchpipe.model.carried import TOWARD
+from churchpipe.model.load_places import TOWARD
 
 _WHOLE = 1e-6
 

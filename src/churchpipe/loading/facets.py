@@ -90,7 +90,9 @@ def _cut(shell: ShellModel, placed: PlacedLoads, chosen: IntArray) -> Pieces:
     line, place = lines_of(placed, chosen)
     wall = _walls_under(shell, placed, chosen, line)
     # From -1 to 1 along each part the density is (1 + 3 lean s) / 2 of the whole.
-    lean = np.einsum("nc,nc->n", placed.point[chosen] - foot, reach) / (reach**2).sum(axis=1)
+    # Of parts that act higher up only the weight is a line: along itself it may be shifted (`placing`).
+    way = placed.point[chosen] - placed.rise[chosen][:, None] * np.array([0.0, 0.0, 1.0]) - foot
+    lean = np.einsum("nc,nc->n", way, reach) / (reach**2).sum(axis=1)
     owner, begin, end = _stretches(shell, foot, reach, wall)
     body = _facets_of(shell, foot[owner] + (0.5 * (begin + end))[:, None] * reach[owner], wall[owner])
     way = (0.5 * (begin + end)[:, None] + 0.5 * (end - begin)[:, None] * _GAUSS).ravel()

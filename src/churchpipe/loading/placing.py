@@ -1,7 +1,7 @@
 """Loads on walls to forces at points of stones: once for a building, whichever model takes them."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,7 @@ class _Part:
     mass: float
     foot: FloatArray | None = None
     reach: FloatArray | None = None
+    rise: float = 0.0
 
 
 def place_loads(stones: Assemblage, loads: Iterable[Carried | Fill]) -> PlacedLoads:
@@ -74,15 +75,16 @@ def place_loads(stones: Assemblage, loads: Iterable[Carried | Fill]) -> PlacedLo
         mass=np.array([part.mass for _, part in parts], dtype=np.float64),
         foot=np.array([part.point if part.foot is None else part.foot for _, part in parts]).reshape(-1, 3),
         reach=np.array([np.zeros(3) if part.reach is None else part.reach for _, part in parts]).reshape(-1, 3),
+        rise=np.array([part.rise for _, part in parts], dtype=np.float64),
     )
 
 
 def _parts(stones: Assemblage, load: Any, where: str) -> list[_Part]:
     match load:
         case LineLoad():
-            return _line(stones, load)
+            return _raised(_line(stones, load), load.rise)
         case PointLoad():
-            return _point(stones, load)
+            return _raised(_point(stones, load), load.rise)
         case AreaLoad():
             return _area(stones, load)
         case Pressure():
@@ -93,6 +95,25 @@ def _parts(stones: Assemblage, load: Any, where: str) -> list[_Part]:
         case _:
             found, expected = describe(load), "a LineLoad, PointLoad, AreaLoad, Pressure or Fill"
             raise InputError(where, "wrong kind", found=found, expected=expected)
+
+
+def _raised(parts: list[_Part], rise: float) -> list[_Part]:
+    """Return parts of which weight and mass act so far above the wall, m, and a thrust on it.
+
+    The mass is no line of load: what it pushes turns the facet of a shell that it stands on about all axes.
+    """
+    if not rise:
+        return parts
+    up, found = np.array([0.0, 0.0, rise]), list[_Part]()
+    for part in parts:
+        foot = part.point if part.foot is None else part.foot
+        thrust = part.dead * np.array([1.0, 1.0, 0.0])
+        found += [
+            replace(part, dead=thrust, mass=0.0),
+            replace(part, point=part.point + up, dead=part.dead - thrust, mass=0.0, foot=foot, rise=rise),
+            replace(part, point=part.point + up, dead=0 * thrust, foot=part.point, reach=None, rise=rise),
+        ]
+    return [part for part in found if part.mass or part.dead.any()]
 
 
 def _column(load: Fill, foot: FloatArray, stone: int, weight: float) -> _Part:

@@ -6,8 +6,9 @@ from typing import Annotated, cast
 from churchpipe.errors import InputError
 from churchpipe.model.arguments import positive, text, text_or_empty
 from churchpipe.model.arrays import flags, floats, store
-from churchpipe.model.carried import FROM_ITS_END, TOWARD, Metres
+from churchpipe.model.carried import FROM_ITS_END, Metres
 from churchpipe.model.doubts import doubt_fields
+from churchpipe.model.load_places import TOWARD
 from churchpipe.model.quantities import Quantity, Usual
 
 _Size = Annotated[

@@ -2,19 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
-import numpy as np
 import numpy.typing as npt
 
 from churchpipe.errors import InputError
-from churchpipe.model.arguments import check_order, finite, listed, text, text_or_empty
+from churchpipe.model.arguments import check_order, finite, listed, text
 from churchpipe.model.arrays import FloatArray, ReadOnly, floats, store
 from churchpipe.model.doubts import doubt_fields
+from churchpipe.model.load_places import Toward, called, level, named, on_wall_or_at, points, store_numbers
 from churchpipe.model.quantities import Quantity, Usual, in_range
 
-TOWARD = {"+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0), "+y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0)}
-Toward = str | npt.ArrayLike
 Metres = Annotated[float, Quantity("_m")]
 Point = tuple[Metres, Metres, Metres]
 FROM_ITS_END = "from its end with the smaller x (of a wall along y, the smaller y)"
@@ -29,6 +27,7 @@ _LEVEL_AT_A_POINT = Usual(-2000, 2000, "ropes, props and arches push and pull wi
 _EARTH = Usual(0, 15, "active earth pressure has 0.2 to 0.5, water 1, passive up to 10")
 SURFACE = Usual(-50, 50, "ground and water beside buildings")
 _ON_SOIL = Usual(0, 200, "traffic brings some 10, buildings beside the wall up to 100")
+_RISE = Quantity("_m", 0.0, usual=Usual(0, 15, "chimneys and pinnacles have .5 to 3"), key="centroid_above_m")
 _ON_AN_AREA = Usual(0, 50, "roofs have 1 to 3, floors with what stands on them up to 15")
 
 
@@ -57,6 +56,8 @@ class LineLoad(ReadOnly):
         m from the middle of the wall.
     mass
         Weight, N/m, that the lateral load multiplies; None: that of `dead`.
+    rise
+        m from where it bears up to the centroid of what stands there: weight and mass act there, a thrust below.
     name
         What messages and results call it; by default the name of the wall.
 
@@ -77,6 +78,7 @@ class LineLoad(ReadOnly):
     toward: Annotated[FloatArray | None, _TOWARD] = None
     eccentricity: Annotated[Metres, "From the middle of the wall."] = 0.0
     mass: Annotated[float | None, Quantity("_kN_m", 0.0, usual=_ON_A_LINE, key="seismic_mass_kN_m"), _MASS] = None
+    rise: Annotated[float, _RISE, "Height of its centroid above where it stands, as of a chimney or a parapet."] = 0.0
 
     def __init__(
         self,
@@ -91,21 +93,23 @@ class LineLoad(ReadOnly):
         toward: Toward | None = None,
         eccentricity: float = 0.0,
         mass: float | None = None,
+        rise: float = 0.0,
         name: str = "",
     ) -> None:
-        where = _named(self, "line load", name, wall)
+        where = named(self, "line load", name, wall)
         aside = finite(f"{where}: eccentricity", eccentricity) or None
-        _on_wall_or_at(where, "between", wall, between, begin=begin, end=end, height=height, eccentricity=aside)
+        on_wall_or_at(where, "between", wall, between, begin=begin, end=end, height=height, eccentricity=aside)
         check_order(where, begin, end)
-        store(self, wall=wall, between=None if between is None else _points(floats(f"{where}: between", between, (2, 3))))
-        _store_numbers(self, where, begin=begin, end=end, height=height)
+        store(self, wall=wall, between=None if between is None else points(floats(f"{where}: between", between, (2, 3))))
+        store_numbers(self, where, begin=begin, end=end, height=height)
         _store_load(self, where, dead, thrust, toward, eccentricity, mass)
+        store(self, rise=in_range(self.__class__, "rise", f"{where}: rise", rise))
         doubt_fields(self)
 
     @property
     def called(self) -> str:
         """What messages call it."""
-        return _called("line load", self.name, self.wall)
+        return called("line load", self.name, self.wall)
 
     @property
     def pushed(self) -> float:
@@ -138,6 +142,8 @@ class PointLoad(ReadOnly):
         m from the middle of the wall.
     mass
         Weight, N, that the lateral load multiplies; None: that of `dead`.
+    rise
+        m, as in `LineLoad`.
     name
         What messages and results call it; by default the name of the wall.
 
@@ -157,6 +163,7 @@ class PointLoad(ReadOnly):
     toward: Annotated[FloatArray | None, _TOWARD] = None
     eccentricity: Annotated[Metres, "From the middle of the wall."] = 0.0
     mass: Annotated[float | None, Quantity("_kN", 0.0, key="seismic_mass_kN"), _MASS] = None
+    rise: Annotated[float, _RISE, "Height of its centroid above where it stands, as of a chimney or a parapet."] = 0.0
 
     def __init__(
         self,
@@ -170,22 +177,24 @@ class PointLoad(ReadOnly):
         toward: Toward | None = None,
         eccentricity: float = 0.0,
         mass: float | None = None,
+        rise: float = 0.0,
         name: str = "",
     ) -> None:
-        where = _named(self, "point load", name, wall)
+        where = named(self, "point load", name, wall)
         aside = finite(f"{where}: eccentricity", eccentricity) or None
-        _on_wall_or_at(where, "at", wall, at, along=along, height=height, eccentricity=aside)
+        on_wall_or_at(where, "at", wall, at, along=along, height=height, eccentricity=aside)
         if wall is not None and along is None:
             raise InputError(where, "no place on the wall", expected="along")
         store(self, wall=wall, at=None if at is None else tuple(floats(f"{where}: at", at, (3,)).tolist()))
-        _store_numbers(self, where, along=along, height=height)
+        store_numbers(self, where, along=along, height=height)
         _store_load(self, where, dead, thrust, toward, eccentricity, mass)
+        store(self, rise=in_range(self.__class__, "rise", f"{where}: rise", rise))
         doubt_fields(self)
 
     @property
     def called(self) -> str:
         """What messages call it."""
-        return _called("point load", self.name, self.wall)
+        return called("point load", self.name, self.wall)
 
     @property
     def pushed(self) -> float:
@@ -243,23 +252,23 @@ class AreaLoad:
         mass: float | None = None,
         name: str = "",
     ) -> None:
-        named = tuple(listed(f"{self.kind}: walls", walls, str))
-        where = _named(self, self.kind, name, " ".join(named))
-        if len(named) not in (2, 4) or len(set(named)) < len(named):
-            raise InputError(f"{where}: walls", "not two walls or four", found=", ".join(named), expected="each named once")
+        over = tuple(listed(f"{self.kind}: walls", walls, str))
+        where = named(self, self.kind, name, " ".join(over))
+        if len(over) not in (2, 4) or len(set(over)) < len(over):
+            raise InputError(f"{where}: walls", "not two walls or four", found=", ".join(over), expected="each over once")
         in_range(AreaLoad, "bearing", f"{where}: bearing", bearing)
-        if len(named) == 4 and not (begin is None and end is None):
+        if len(over) == 4 and not (begin is None and end is None):
             raise InputError(where, "a part of a floor between four walls", expected="two walls beside begin and end, or neither")
         check_order(where, begin, end)
-        store(self, walls=named, bearing=float(bearing))
-        _store_numbers(self, where, begin=begin, end=end, height=height)
+        store(self, walls=over, bearing=float(bearing))
+        store_numbers(self, where, begin=begin, end=end, height=height)
         _store_load(self, where, dead, 0.0, None, 0.0, mass)
         doubt_fields(self, AreaLoad)
 
     @property
     def called(self) -> str:
         """What messages call it."""
-        return _called(self.kind, self.name, " ".join(self.walls))
+        return called(self.kind, self.name, " ".join(self.walls))
 
     @property
     def pushed(self) -> float:
@@ -319,53 +328,22 @@ class Pressure(ReadOnly):
         surcharge: float = 0.0,
         name: str = "",
     ) -> None:
-        where = _named(self, "pressure", name, text("pressure: wall", wall))
+        where = named(self, "pressure", name, text("pressure: wall", wall))
         for key, value in (("unit_weight", unit_weight), ("coefficient", coefficient), ("surcharge", surcharge)):
             in_range(Pressure, key, f"{where}: {key}", value)
         if not coefficient * (unit_weight + surcharge) > 0:
             raise InputError(where, "no pressure", expected="a unit weight or a surcharge, and a coefficient, > 0")
-        store(self, wall=wall, toward=_level(where, toward), unit_weight=float(unit_weight))
+        store(self, wall=wall, toward=level(where, toward), unit_weight=float(unit_weight))
         store(self, coefficient=float(coefficient), surcharge=float(surcharge), top=finite(f"{where}: top", top))
         doubt_fields(self)
 
     @property
     def called(self) -> str:
         """What messages call it."""
-        return _called("pressure", self.name, self.wall)
+        return called("pressure", self.name, self.wall)
 
 
 Carried = LineLoad | PointLoad | AreaLoad | Pressure
-
-
-def _named(load: object, kind: str, name: str, wall: str | None) -> str:
-    """Store the name of a load and return how messages call it."""
-    if wall is not None:
-        text(f"{kind}: wall", wall)
-    store(load, name=text_or_empty(f"{kind}: name", name))
-    return _called(kind, name, wall)
-
-
-def _called(kind: str, name: str, wall: str | None) -> str:
-    return f"{kind} {name or wall or ''}".strip()
-
-
-def _points(array: FloatArray) -> Any:
-    first, second = array.tolist()
-    return tuple(first), tuple(second)
-
-
-def _on_wall_or_at(where: str, key: str, wall: str | None, place: object, **on_wall: float | None) -> None:
-    """Raise unless a load has a wall or a place of its own, and not both."""
-    if (wall is None) == (place is None):
-        found = "neither" if wall is None else "both"
-        raise InputError(where, "no place" if wall is None else "two places", found=found, expected=f"a wall, or {key}")
-    extra = [name for name, value in on_wall.items() if value is not None]
-    if wall is None and extra:
-        raise InputError(where, "a place on a wall, without a wall", expected=f"{key} alone, or a wall beside {', '.join(extra)}")
-
-
-def _store_numbers(load: object, where: str, **values: float | None) -> None:
-    store(load, **{key: None if value is None else finite(f"{where}: {key}", value) for key, value in values.items()})
 
 
 def _store_load(
@@ -383,18 +361,5 @@ def _store_load(
         raise InputError(where, f"{what} without a direction", expected="toward, a level vector such as [1, 0, 0]")
     store(load, dead=float(dead), mass=None if mass is None else float(mass))
     if not isinstance(load, AreaLoad):
-        side = None if toward is None else _level(where, toward)
+        side = None if toward is None else level(where, toward)
         store(load, thrust=float(thrust), toward=side, eccentricity=float(eccentricity))
-
-
-def _level(where: str, toward: Toward) -> FloatArray:
-    if isinstance(toward, str):
-        if toward not in TOWARD:
-            raise InputError(f"{where}: toward", "unknown direction", found=toward, expected=", ".join(TOWARD))
-        return floats(f"{where}: toward", TOWARD[toward], (3,))
-    vector = floats(f"{where}: toward", toward, (3,))
-    # Any length will do, also one whose square is no number.
-    largest = float(np.abs(vector).max())
-    if not largest > 0 or abs(vector[2]) > 1e-9 * largest:
-        raise InputError(f"{where}: toward", "not level", found=vector.tolist(), expected="a vector with z = 0")
-    return floats(f"{where}: toward", vector / largest / np.linalg.norm(vector / largest), (3,))

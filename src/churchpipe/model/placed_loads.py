@@ -41,6 +41,9 @@ class PlacedLoads(Shown):
     reach
         Of a part of a line, the way (n, 3) m from its middle to its end; its density is linear, so that `point` is its centre.
         Zero, as where left out: a part at one point.
+    rise
+        How far above its foot each acts (n,), m, such as the centroid of a chimney; `point` has it. Left out: not at all, or what
+        `point` says of a part at one point.
     """
 
     point: FloatArray
@@ -51,6 +54,7 @@ class PlacedLoads(Shown):
     mass: FloatArray
     foot: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     reach: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    rise: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         n = rows_of("PlacedLoads.stone", self.stone)
@@ -59,6 +63,7 @@ class PlacedLoads(Shown):
             self,
             foot=floats("PlacedLoads.foot", self.foot if np.size(self.foot) else self.point, (n, 3)),
             reach=floats("PlacedLoads.reach", self.reach if np.size(self.reach) else np.zeros((n, 3)), (n, 3)),
+            rise=floats("PlacedLoads.rise", self.rise if np.size(self.rise) else np.zeros(n), (n,)),
         )
 
     @property
