@@ -17,6 +17,7 @@ from churchpipe.config.imported import MANY_STONES, imported_case, material_name
 from churchpipe.config.json_schema import FILE_NAME, write_case
 from churchpipe.config.picked import check_picked, ground_questions, picks
 from churchpipe.config.shell_table import ShellTable, shell_table
+from churchpipe.config.soil_questions import end_questions
 from churchpipe.dxf.annotated import write_findings
 from churchpipe.dxf.reader import Drawing
 from churchpipe.dxf.reading import AS_DRAWN, Reading
@@ -103,7 +104,7 @@ def check_carried(case: Case, stones: Assemblage, contacts: Contacts | None = No
     """Look for the walls of a drawing that a case names: those pushed alone, and those that bear loads, ties and beams.
 
     contacts: of the stones, where they are known, to look for the joints, the ground and the point that the case names. Returns
-    what there is to ask about that ground.
+    what there is to ask about that ground, and about soil on walls.
 
     Raises
     ------
@@ -113,14 +114,15 @@ def check_carried(case: Case, stones: Assemblage, contacts: Contacts | None = No
     named = replace(stones, panel=wall_names(stones, reading.kept_joint))
     case.check_named(sorted({*named.panel[~named.fixed].tolist()} - {""}))
     case.check_applied(named)
+    ends = end_questions(case.carries, named)
     if contacts is None or not picks(case):
-        return []
+        return ends
     if case.ring_beams:
         weights = {material.name: material.unit_weight for material in case.materials}
         named = add_beams(named, case.ring_beams, weights)
         contacts = find_contacts(named, **case.tolerances)
     check_picked(case, named, contacts)
-    return ground_questions(case, named, contacts)
+    return [*ground_questions(case, named, contacts), *ends]
 
 
 def import_drawing(

@@ -9,6 +9,7 @@ from typing import Any
 from churchpipe import compare
 from churchpipe.config.carries import carries_of, placed
 from churchpipe.config.settings import load_of, site_of
+from churchpipe.config.soil_questions import end_questions
 from churchpipe.halved_steps import careful_check
 from churchpipe.io.atomic import read_json
 from churchpipe.io.movement_record import Shift, Turn
@@ -159,6 +160,16 @@ class RunFolder:
                 place = table["support"] or table["within"]
                 asked.append(whole_ground_question(*self.stones(entry["geometry"]), table["name"], place))
         return [text for text in asked if text]
+
+    def end_questions(self) -> list[str]:
+        """Return what to ask about walls that stand in soil or water which presses on another wall."""
+        asked: list[str] = []
+        for geometry in self.index["geometries"]:
+            entries = [entry for entry in self.index["analyses"] if entry["geometry"] == geometry and entry["kind"] == "rigid"]
+            tables = [read_json(self.folder(entry) / "settings.json") for entry in entries]
+            soil = {str(table): carries_of({"pressures": table}) for one in tables if (table := one.get("pressures"))}
+            asked += [text for carries in soil.values() for text in end_questions(carries, self.stones(geometry)[0])]
+        return list(dict.fromkeys(asked))
 
     def samples(self) -> dict[str, Sample]:
         """Return what the samples of a case have left, by name."""

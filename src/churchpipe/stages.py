@@ -307,7 +307,8 @@ def compare(plan: Path, summary: Path, table: Path, samples: Path | None = None)
     sizes_asked = (text for name in run.index["geometries"] for text in size_questions(run.stones(name)[0]))
     begun = floor_questions((record.load, record.check) for record in analyses if record.variant is None)
     begun += low_floor_questions((record.load, record.check) for record in analyses)
-    asked = list(dict.fromkeys([*unanswered(run.index["questions"]), *sizes_asked, *run.ground_questions(), *begun]))
+    of_stones = [*sizes_asked, *run.ground_questions(), *run.end_questions()]
+    asked = list(dict.fromkeys([*unanswered(run.index["questions"]), *of_stones, *begun]))
     study = None
     if samples:
         study = sample_study(run.index["sample"], run.samples(), analyses)

@@ -9,6 +9,7 @@ from typing import Any
 from churchpipe.config.carries import placed
 from churchpipe.config.case import Case, Generated, read_variants
 from churchpipe.config.plausible import questions
+from churchpipe.config.soil_questions import end_questions
 from churchpipe.dxf.reading import Reading
 from churchpipe.errors import Extra, InputError
 from churchpipe.findings import Findings, FindingsError
@@ -46,6 +47,7 @@ def write_view(file: Path, page: Path, reading: Reading, changes: Sequence[str] 
                 building = cases[0].building()
                 stones = laid_stones(cases[0], building)
                 applied = _applied(cases, stones)
+                asked += end_questions(cases[0].carries, stones)
                 write_findings_page(page, Findings(file.name), stones, after, building, asked, applied)
                 return
             weights = {material.name: material.unit_weight for material in cases[0].materials}
@@ -63,6 +65,7 @@ def write_view(file: Path, page: Path, reading: Reading, changes: Sequence[str] 
         cases[0].check_applied(stones)
         stones = add_beams(stones, cases[0].ring_beams, weights)
         applied = _applied(cases, stones)
+        asked += end_questions(cases[0].carries, stones)
     write_findings_page(page, read.findings, stones, after, fitted, asked, applied)
 
 

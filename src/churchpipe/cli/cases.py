@@ -124,6 +124,7 @@ def _check_there(path: Path, case: Any) -> None:
 
 def _check_laid(path: Path, case: Any, building: Any) -> None:
     from churchpipe.config.picked import check_picked, ground_questions
+    from churchpipe.config.soil_questions import end_questions
     from churchpipe.model.sizes import size_questions
     from churchpipe.stones.blocks import derive_blocks
     from churchpipe.stones.contacts import find_contacts
@@ -139,7 +140,7 @@ def _check_laid(path: Path, case: Any, building: Any) -> None:
     name = f"{path}, {case.variant.name}" if case.variant else str(path)
     free = counted(int((~stones.fixed).sum()), "stone")
     out.print(f"{name}: {free}, {counted(len(contacts.area), 'joint')}.", markup=False, soft_wrap=True)
-    ask([*size_questions(stones), *ground_questions(case, stones, contacts)])
+    ask([*size_questions(stones), *ground_questions(case, stones, contacts), *end_questions(case.carries, stones)])
 
 
 def _check_drawn(path: Path, case: Any) -> None:

@@ -8,8 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from churchpipe.code_check import is_horizontal
+from churchpipe.config.carries import Carries
 from churchpipe.errors import InputError
 from churchpipe.geometry.charts import lift
+from churchpipe.loading.ends import unpressed_ends
+from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.building import Panel
 from churchpipe.model.carried import SURFACE
 
@@ -25,6 +28,11 @@ def of_soil(case: "Case") -> Iterator[str]:
     yield from _of_fills(case)
     yield from _of_pressures(case)
     yield from _of_shaken_soil(case)
+
+
+def end_questions(carries: Carries, stones: Assemblage) -> list[str]:
+    """Return what to ask of stones on which soil or water presses: on which walls that stand in it does it not act?"""
+    return [text for load in carries.pressures for text in unpressed_ends(stones, load)]
 
 
 def _of_shaken_soil(case: "Case") -> Iterator[str]:

@@ -12,7 +12,7 @@ from churchpipe.geometry.charts import ALONG, counted_towards, footprint_of, lif
 from churchpipe.model.arguments import check_kind, listed
 from churchpipe.model.arrays import FloatArray
 from churchpipe.model.building import BondRegion, Building, Junction, Panel, PlaneChart
-from churchpipe.model.buttress import Buttress
+from churchpipe.model.buttress import Buttress, numbered
 from churchpipe.model.load_places import TOWARD
 
 _WHOLE = 1e-6
@@ -46,7 +46,7 @@ def with_buttresses(building: Building, buttresses: Iterable[Buttress]) -> Build
         wall = panels.get(buttress.wall)
         if wall is None:
             raise InputError(where, "no such wall", found=buttress.wall, expected=", ".join(panels))
-        names = [f"{buttress.name or wall.name} buttress {number + 1}" for number in range(len(buttress.along))]
+        names = [numbered(buttress.name or wall.name, number + 1) for number in range(len(buttress.along))]
         if taken := [name for name in names if name in panels]:
             remedy = 'Give them a name of their own: name = "west", say. Buttresses alike may be one table with several places.'
             raise InputError(f"{where}: name", "not the only ones of their name", found=taken[0], remedy=remedy)

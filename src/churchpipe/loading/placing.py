@@ -9,12 +9,14 @@ import numpy as np
 from churchpipe.errors import InputError
 from churchpipe.geometry.walls import WallLine, points_of, wall_line
 from churchpipe.loading.bearing import CLOSE, bearing_stones, pressed_length
+from churchpipe.loading.ends import unpressed_ends
 from churchpipe.loading.floors import floor_lines
 from churchpipe.loading.pressure import fill_weights, pressure_forces
 from churchpipe.model.arguments import check_kind, describe
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage, checked_sequence
 from churchpipe.model.carried import AreaLoad, Carried, LineLoad, PointLoad, Pressure
+from churchpipe.model.doubts import doubt
 from churchpipe.model.fill import Fill
 from churchpipe.model.placed_loads import PlacedLoads
 
@@ -60,11 +62,11 @@ def place_loads(stones: Assemblage, loads: Iterable[Carried | Fill]) -> PlacedLo
         A wall that is not there or is not straight, a load beside its wall, or with no stone under it.
     """
     check_kind("place_loads: stones", stones, Assemblage)
+    given = list(checked_sequence("place_loads: loads", loads, "loads"))
     parts = [
-        (load.called, part)
-        for number, load in enumerate(checked_sequence("place_loads: loads", loads, "loads"))
-        for part in _parts(stones, load, f"place_loads: loads[{number}]")
+        (load.called, part) for number, load in enumerate(given) for part in _parts(stones, load, f"place_loads: loads[{number}]")
     ]
+    doubt(text for load in given if isinstance(load, Pressure) for text in unpressed_ends(stones, load))
     stone = np.array([part.stone for _, part in parts], dtype=np.int64)
     return PlacedLoads(
         point=np.array([part.point for _, part in parts]).reshape(-1, 3),

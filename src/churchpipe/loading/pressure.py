@@ -1,6 +1,7 @@
 """Soil or water against the face of a wall, and fill on the back of a vault."""
 
 from collections.abc import Callable, Iterator, Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -10,15 +11,13 @@ from churchpipe.geometry.locate import inside_stones
 from churchpipe.geometry.polygons import behind, below
 from churchpipe.geometry.walls import WallLine, named_walls, points_of
 from churchpipe.loading.bearing import CLOSE
+from churchpipe.loading.ends import AGAINST, OUTERMOST, outward_of, pressed_ends
 from churchpipe.model.arrays import FloatArray, IntArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.carried import Pressure
 from churchpipe.model.fill import Fill
 from churchpipe.model.polyhedra import face_normals
 
-# A face bears pressure if it looks against it to this cosine, and lies within this share of the thickness of the wall's face.
-_AGAINST = 0.9
-_OUTERMOST = 0.05
 # A face bears fill if its normal rises more than this.
 _UP = 1e-6
 
@@ -28,20 +27,19 @@ def pressure_forces(stones: Assemblage, wall: WallLine, load: Pressure) -> list[
 
     What another stone lies against bears nothing. The rest of each face is cut into triangles, their parts below the surface,
     with the force of each where it acts. Where stones of other walls show in the face of this one, as at a toothed corner, they
-    bear it.
+    bear it, and so do the far ends of buttresses before it, and of what else the load names.
 
     Raises
     ------
-    InputError: no face below the surface; a direction along the wall.
+    InputError: no face below the surface; a direction along the wall; ends of what does not stand before it.
     """
-    side = -wall.side(load.called, load.toward)
-    outward = side * np.append(wall.normal, 0.0)
+    outward = outward_of(wall, load)
     found: list[tuple[FloatArray, float, int, FloatArray]] = []
 
     def pressed(z: FloatArray) -> FloatArray:
         return load.coefficient * (load.unit_weight * (load.top - z) + load.surcharge)
 
-    for stone, normal, corners in _in_face(stones, wall, outward):
+    for stone, normal, corners in chain(_in_face(stones, wall, outward), pressed_ends(stones, wall, load)):
         found += [(*part, stone, normal) for part in _on_face(below(corners, load.top), pressed)]
     if not found:
         raise InputError(load.called, f"no face of the wall {wall.name} below z = {load.top:g} m on that side")
@@ -59,11 +57,11 @@ def _in_face(stones: Assemblage, wall: WallLine, outward: FloatArray) -> Iterato
     part of a face of it, of stones of other walls between the ends of this one."""
     points = points_of(stones, wall.stones)
     front, foot = float((points @ outward).max()), float(points[:, 2].min())
-    slack = _OUTERMOST * wall.thickness
+    slack = OUTERMOST * wall.thickness
     own = np.isin(np.arange(stones.count), wall.stones)
     owner = np.repeat(np.arange(stones.count), np.diff(stones.block_face_ptr))
     _, normal, mean = face_normals(stones.points, stones.face_nodes, stones.face_ptr)
-    shown = ~stones.fixed[owner] & (normal @ outward > _AGAINST) & (np.abs(mean @ outward - front) < slack + CLOSE)
+    shown = ~stones.fixed[owner] & (normal @ outward > AGAINST) & (np.abs(mean @ outward - front) < slack + CLOSE)
     axis = np.append(wall.axis, 0.0)
     start = float(wall.origin @ wall.axis)
     corner = stones.points[stones.face_nodes]

@@ -1,5 +1,6 @@
 """Buttresses and pilasters of straight walls."""
 
+import re
 from dataclasses import dataclass
 from typing import Annotated, cast
 
@@ -14,6 +15,17 @@ from churchpipe.model.quantities import Quantity, Usual
 _Size = Annotated[
     float, Quantity("_m", 0.0, above=True, usual=Usual(0.03, 20, "pilasters to the flying buttresses of cathedrals"))
 ]
+_ONE_OF_THEM = re.compile(r".* buttress \d+")
+
+
+def numbered(name: str, number: int) -> str:
+    """Return what the stones of one of several buttresses are called, counted from 1."""
+    return f"{name} buttress {number}"
+
+
+def is_buttress(panel: str) -> bool:
+    """Return whether stones of this name are those of a buttress, as `numbered` calls them."""
+    return _ONE_OF_THEM.fullmatch(panel) is not None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,6 @@
 """What a building carries besides its own stones: roofs, floors, point loads, soil and water. SI; by the names of walls."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
@@ -280,7 +280,8 @@ class AreaLoad:
 class Pressure(ReadOnly):
     """Soil or water against a wall: coefficient (unit_weight (top - z) + surcharge) on one of its faces below z = top.
 
-    It is a dead load: its mass does not push.
+    It is a dead load: its mass does not push. What stands in it, as a buttress does, hides a part of that face, and has the same
+    pressure on its far end; on the two sides of it, it is in balance, and left out.
 
     Parameters
     ----------
@@ -296,6 +297,9 @@ class Pressure(ReadOnly):
         1 for water; of soil that of active, at-rest or passive pressure.
     surcharge
         Pa, on its surface.
+    ends
+        Names of walls that stand in it, at whose far ends it presses as well. By default the buttresses among them, which have
+        names as `with_buttresses` gives them: "wall buttress 1".
     name
         What messages and results call it; by default the name of the wall.
 
@@ -315,6 +319,9 @@ class Pressure(ReadOnly):
         float, Quantity("", 0.0, usual=_EARTH), "1 for water; of soil that of its pressure, active or at rest."
     ] = 1.0
     surcharge: Annotated[float, Quantity("_kPa", 0.0, usual=_ON_SOIL), "On its surface."] = 0.0
+    ends: Annotated[
+        tuple[str, ...] | None, "Walls that stand in it, at whose far ends it presses too; left out: the buttresses among them."
+    ] = None
     name: Annotated[str, "For messages and tables; by default that of the wall."] = ""
 
     def __init__(
@@ -326,6 +333,7 @@ class Pressure(ReadOnly):
         top: float,
         coefficient: float = 1.0,
         surcharge: float = 0.0,
+        ends: Iterable[str] | None = None,
         name: str = "",
     ) -> None:
         where = named(self, "pressure", name, text("pressure: wall", wall))
@@ -335,6 +343,7 @@ class Pressure(ReadOnly):
             raise InputError(where, "no pressure", expected="a unit weight or a surcharge, and a coefficient, > 0")
         store(self, wall=wall, toward=level(where, toward), unit_weight=float(unit_weight))
         store(self, coefficient=float(coefficient), surcharge=float(surcharge), top=finite(f"{where}: top", top))
+        store(self, ends=None if ends is None else tuple(listed(f"{where}: ends", ends, str)))
         doubt_fields(self)
 
     @property

@@ -6,15 +6,16 @@ from typing import Any
 
 import numpy as np
 
+from churchpipe.geometry.charts import way
 from churchpipe.io.records import Analysis
 from churchpipe.io.tie_records import TieForce
 from churchpipe.loading.joists import AT_BEARINGS
 from churchpipe.loading.ties import anchors_of
-from churchpipe.model.arrays import FloatArray
+from churchpipe.model.arrays import BoolArray, FloatArray
 from churchpipe.model.assemblage import Assemblage
 from churchpipe.model.gains import WEIGHT_MORE
 from churchpipe.model.motion import velocity_at
-from churchpipe.model.placed_loads import Applied
+from churchpipe.model.placed_loads import Applied, PlacedLoads
 from churchpipe.report import colours
 from churchpipe.report.table import Row, amount, figure, minus, named_of
 from churchpipe.stones.ring_beams import ring_beams
@@ -43,13 +44,21 @@ def load_rows(applied: Mapping[str, Applied], analyses: Iterable[Analysis] = ())
             mine = loads.load == name
             level = float(np.linalg.norm(loads.dead[mine].sum(axis=0)[:2]))
             sums = (float(loads.weight[mine].sum()), level, float(loads.mass[mine].sum()))
-            walls = ", ".join(np.unique(loads.wall[mine]).tolist())
-            cells = [walls, *(amount(value / 1e3, 1) for value in sums)]
+            cells = [_bears_on(loads, mine), *(amount(value / 1e3, 1) for value in sums)]
             if cells not in (before := known.setdefault(name, [])):
                 record = records.get(analysis) if before else None
                 found.append([named_of(name, record.variant, record.swept) if record else name, *cells])
                 before.append(cells)
     return found
+
+
+def _bears_on(loads: PlacedLoads, mine: BoolArray) -> str:
+    """Return the walls that bear a load; of a pressure also where their faces look."""
+    walls = ", ".join(np.unique(loads.wall[mine]).tolist())
+    if not str(loads.load[mine][0]).startswith("pressure "):
+        return walls
+    level = loads.dead[mine].sum(axis=0)[:2]
+    return f"{walls}: faces that look to {minus(way(-level / np.linalg.norm(level)))}"
 
 
 def beam_rows(stones: Assemblage) -> list[list[str]]:
