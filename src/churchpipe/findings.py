@@ -62,6 +62,7 @@ CODES: Final = {
     "E47": "coordinates rounded by more than a hundredth of a stone",
     "W47": "coordinates rounded by more than a thousandth of a stone",
     "W48": "a stone far thinner than the others",
+    "W49": "stones that lie in each other, so that their weight is too large",
 }
 
 _MORE_DIGITS = (
@@ -123,6 +124,7 @@ REMEDIES: Final = {
     "E47": _MORE_DIGITS,
     "W47": _MORE_DIGITS,
     "W48": "Delete it if it is an offcut: it comes out first, and its load factor is not that of the building.",
+    "W49": "Draw each stone to the middle of the joint, so that no two overlap, or lower the unit weight by that share.",
 }
 
 # Places named after the first of a kind.

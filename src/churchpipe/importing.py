@@ -19,11 +19,12 @@ from churchpipe.config.picked import check_picked, ground_questions, picks
 from churchpipe.config.shell_table import ShellTable, shell_table
 from churchpipe.config.soil_questions import end_questions
 from churchpipe.dxf.annotated import write_findings
+from churchpipe.dxf.elevation import laid_down
 from churchpipe.dxf.reader import Drawing
 from churchpipe.dxf.reading import AS_DRAWN, Reading
 from churchpipe.dxf.schema import metres
 from churchpipe.errors import InputError, UsageError
-from churchpipe.findings import Body, Findings
+from churchpipe.findings import Body, Finding, Findings
 from churchpipe.io.atomic import all_or_none, replacing, write_text
 from churchpipe.match import match_models
 from churchpipe.meshes.reader import files_of, read_file
@@ -33,8 +34,9 @@ from churchpipe.model.loads import LoadCase
 from churchpipe.model.sizes import size_questions
 from churchpipe.recognition.panels import wall_names
 from churchpipe.shell_mesh.shell import derive_shell
-from churchpipe.stones.account import joint_account, joint_lines
+from churchpipe.stones.account import joint_account, joint_lines, twice_words
 from churchpipe.stones.contacts import find_contacts
+from churchpipe.stones.counted_twice import counted_twice
 from churchpipe.stones.histogram import histogram_lines
 from churchpipe.stones.ring_beams import add_beams
 from churchpipe.stones.soundness import check_soundness
@@ -97,7 +99,19 @@ def check_drawing(
         check_soundness(drawing.stones, contacts)
     except InputError as error:
         raise UnsoundError(error.at(f"{path}: {error.where}"), drawing) from error
-    return drawing, contacts
+    items = (*drawing.findings.items, *_counted_twice(drawing, contacts))
+    return replace(drawing, findings=replace(drawing.findings, items=items)), contacts
+
+
+def _counted_twice(drawing: Drawing, contacts: Contacts) -> list[Finding]:
+    """Return the finding of stones that lie in each other, placed where they share most."""
+    found = counted_twice(drawing.stones, contacts)
+    if found is None:
+        return []
+    pairs = counted(found.pairs, "pair of stones lies in each other", "pairs of stones lie in each other")
+    what = f"{pairs}, by up to {1e3 * found.depth:.3g} mm: {' and '.join(found.stones)} share most, here"
+    x, y, z = (laid_down(found.place) if drawing.findings.stood_up else found.place).tolist()
+    return [Finding("W49", f"{what}. {twice_words(found.volume, found.share)}", position=(x, y, z), unit="m")]
 
 
 def check_carried(case: Case, stones: Assemblage, contacts: Contacts | None = None) -> list[str]:

@@ -154,6 +154,11 @@ def stood_up(points: FloatArray) -> FloatArray:
     return np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
 
 
+def laid_down(point: FloatArray) -> FloatArray:
+    """Return the place (3,) in a drawing of a point of what `stood_up` has turned."""
+    return np.array([point[0], point[2], -point[1]])
+
+
 def _findings(outlines: list[Outline], plane: ElevationPlane, cut: bool, thickness: float | None) -> list[Finding]:
     lying = sum(bool(outline.plane.axes[2][2] == 1.0) for outline in outlines)
     kind = "whole wall" if cut else "stone"

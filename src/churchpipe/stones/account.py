@@ -13,6 +13,7 @@ from churchpipe.model.contacts import TOUCHING, Contacts
 from churchpipe.model.polyhedra import face_normals
 from churchpipe.model.quantities import Quantity
 from churchpipe.stones.contact_tolerances import thicknesses
+from churchpipe.stones.counted_twice import counted_twice
 from churchpipe.wording import counted
 
 # How many stones, or pairs of stones, a message names.
@@ -62,10 +63,13 @@ class Closed:
 
 @dataclass(frozen=True, slots=True)
 class Interpenetrating:
-    """Joints of stones that lie in each other."""
+    """Joints of stones that lie in each other, and what counts twice in their weight, if that is worth a word: its volume and its
+    share of that of the stones."""
 
     count: int
     deepest: Annotated[float, Quantity("_mm")]
+    counted_twice: Annotated[float, Quantity("_m3")] = 0.0
+    share: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +150,12 @@ def joint_account(stones: Assemblage, contacts: Contacts) -> tuple[NearMissAccou
             tolerances_that_join(contacts, near_enough) if len(near_enough) else {},
         )
     closed = Closed(int((widest > TOUCHING).sum()), float(widest.max(initial=0.0)))
-    deep = Interpenetrating(int((deepest > TOUCHING).sum()), float(deepest.max(initial=0.0)))
+    twice = counted_twice(stones, contacts)
+    deep = Interpenetrating(
+        int((deepest > TOUCHING).sum()),
+        float(deepest.max(initial=0.0)),
+        *((twice.volume, twice.share) if twice else ()),
+    )
     return found, JointTolerances(now.contact_gap, now.contact_angle, now.overlap, tuple(now.given), closed, deep)
 
 
@@ -164,7 +173,10 @@ def joint_lines(near: NearMissAccount, now: JointTolerances, *, typed: bool = Fa
             f"{1e3 * now.contact_gap:.3g} mm, {origin}."
         )
     if deep.count:
-        lines.append(f"Joints of stones that lie in each other: {deep.count}, up to {1e3 * deep.deepest:.3g} mm where deepest.")
+        lines.append(
+            f"Joints of stones that lie in each other: {deep.count}, up to {1e3 * deep.deepest:.3g} mm where deepest."
+            + (f" {twice_words(deep.counted_twice, deep.share)}." if deep.counted_twice else "")
+        )
     if near.count:
         named = "; ".join(near_miss_words(item) for item in near.largest[:3])
         low, high = (f"{1e3 * gap:.3g}" for gap in near.gap)
@@ -176,6 +188,11 @@ def joint_lines(near: NearMissAccount, now: JointTolerances, *, typed: bool = Fa
             f"or nearly meets. The largest: {named}. " + (f"{remedy} makes joints of them." if near.joined_by else TOO_WIDE)
         )
     return lines
+
+
+def twice_words(volume: float, share: float) -> str:
+    """Return what counts twice in the weight of stones as text: a volume, m3, and its share of that of the stones."""
+    return f"What they share, {volume:.3g} m3 or {1e2 * share:.2g} % of the volume of the stones, counts twice in their weight"
 
 
 def near_miss_words(item: NearMiss) -> str:
