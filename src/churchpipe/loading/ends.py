@@ -122,7 +122,9 @@ class _Before:
         # Where courses are toothed, the wall across has stones within the last thickness of this one.
         low[1] = max(high[1] - (high[0] - low[0]), self.face + self.slack)
         free = ~self.stones.fixed & ~np.isin(self.stones.panel, [name, self.wall.name])
-        return bool((free & ((self.low <= high + CLOSE) & (self.high >= low - CLOSE)).all(axis=1)).any())
+        # What lies on top, as a beam does, closes nothing.
+        near = np.array([CLOSE, CLOSE, -CLOSE])
+        return bool((free & ((self.low <= high + near) & (self.high >= low - near)).all(axis=1)).any())
 
     def _along(self, end: int) -> float:
         return float(self.wall.origin @ self.wall.axis) + end * self.wall.length

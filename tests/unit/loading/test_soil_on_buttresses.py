@@ -133,8 +133,9 @@ def test_a_wall_whose_end_bears_nothing_is_asked_about() -> None:
     with pytest.warns(cp.DoubtfulValue, match="and not on the far end of cross"):
         cp.place_loads(room(), [water])
     assert unpressed_ends(room(), cp.Pressure("wall", toward="-y", unit_weight=10e3, top=1.8, ends=[])) == []
-    # On the other side nothing stands, a wall across the far end closes a room, and what is lower than all soil is not asked.
+    # On the other side nothing stands, a beam on top closes nothing, and a wall across the far end closes a room.
     assert unpressed_ends(room(), cp.Pressure("wall", toward="+y", unit_weight=10e3, top=1.8)) == []
+    assert unpressed_ends(room(("beam", box((1.5, 2.0), (0.0, 2.4), (1.8, 2.0)))), water) == [asked]
     assert unpressed_ends(room(("far", box((0.0, 4.0), (2.4, 2.8), (0.0, 1.8)))), water) == []
     assert unpressed_ends(cp.derive_blocks(building(buttress())), soil()) == []
     box_of_walls = generators.box(length=2.4, width=2.0, courses=4, brick=(0.4, 0.2, 0.3), materials=MATERIALS)
