@@ -8,6 +8,7 @@ import numpy as np
 from churchpipe.generators import apse, arch, chapel, dome, prototype, tower, vault, wall
 from churchpipe.generators.box import box as box_walls
 from churchpipe.model.assemblage import Assemblage
+from churchpipe.model.building import Building
 from churchpipe.model.contacts import Contacts
 from churchpipe.model.loads import LoadCase
 from churchpipe.model.materials import Material
@@ -194,7 +195,14 @@ def random_corner(seed: int) -> tuple[Assemblage, Contacts, float, LoadCase]:
 
 
 def random_building(seed: int) -> tuple[Assemblage, Contacts, float, LoadCase]:
-    """Stones, contacts, friction and load of a box, tower, round tower, chapel, dome, apse, arch, vault or wall, all drawn.
+    """Stones, contacts, friction and load of a `random_shape`."""
+    shape, friction, load = random_shape(seed)
+    stones = derive_blocks(shape)
+    return stones, find_contacts(stones), friction, load
+
+
+def random_shape(seed: int) -> tuple[Building, float, LoadCase]:
+    """A box, tower, round tower, chapel, dome, apse, arch, vault or wall, its friction and load, all drawn.
 
     The kinds follow each other with the seeds. Friction is drawn from .35 to .85, and the direction of the load in plan; walls
     and arches are pushed along themselves. Few have more than a thousand stones.
@@ -244,8 +252,7 @@ def random_building(seed: int) -> tuple[Assemblage, Contacts, float, LoadCase]:
         window = {"start": stone * courses(2, 4) + course, "width": 2 * stone, "sill_courses": 3, "height_courses": 4}
         size = {"length": stone * courses(10, 24), "brick": (stone, length(0.15, 0.4), course), "courses": courses(10, 22)}
         shape = wall(**size, openings=[{**window, "lintel_bearing": course}])
-    stones = derive_blocks(shape)
-    return stones, find_contacts(stones), friction, LoadCase(direction)
+    return shape, friction, LoadCase(direction)
 
 
 def bar_across(stones: Assemblage, load: LoadCase) -> Tie:

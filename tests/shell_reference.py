@@ -146,7 +146,11 @@ def _local_strength(elements: ShellElements, materials: Sequence[JointStrength],
     shell = elements.shell
     assert (shell.bonds == "running").all()
     friction, cohesion, _ = by_facet(shell.material, materials)
-    yields = np.flatnonzero(shell.yields[elements.facet])
+    inner = np.arange(len(elements.facet)) < elements.inner
+    yields, joints = np.flatnonzero(shell.yields[elements.facet] & inner), np.flatnonzero(~inner)
+    at_foot = elements.facet[joints]
+    assert shell.yields[at_foot].all()
+    foot_friction, foot_apex = friction[at_foot], (shell.thickness * cohesion / friction)[at_foot] / 2
     facet = elements.facet[yields]
     a, b = shell.unit_cells[shell.cell[facet]].T
     h, friction, cohesion = shell.thickness[facet], friction[facet], cohesion[facet]
@@ -168,8 +172,10 @@ def _local_strength(elements: ShellElements, materials: Sequence[JointStrength],
     # Corner forces in units that give stresses of order one: their closing rates are about 1 / (a + b).
     closing = np.array([hand_closing(*sizes).reshape(36, 9) for sizes in zip(a, b, h, strict=True)])
     size = np.abs(closing[..., :3] / unit[yields][:, None, :3]).max(axis=(1, 2))[:, None, None]
-    elastic = np.setdiff1d(np.arange(nq), yields)
-    width = 36 * ny + 6 * len(elastic)
+    elastic = np.setdiff1d(np.arange(elements.inner), yields)
+    # The stresses of a joint are minus the forces (normal, along, across) at its two corners.
+    width, corners = 36 * ny + 6 * len(joints) + 6 * len(elastic), 6 * len(joints)
+    at_corners = sp.csr_matrix((-np.ones(corners), (_six(joints), np.arange(corners))), shape=(6 * nq, corners))
     forces = _blocks(np.swapaxes(closing[..., :6] / unit[yields][:, None] / size, 1, 2), np.arange(ny), ny)
     into = sp.csr_matrix((np.ones(6 * ny), (_six(yields), np.arange(6 * ny))), shape=(6 * nq, 6 * ny))
     rest = sp.csr_matrix(
@@ -179,13 +185,14 @@ def _local_strength(elements: ShellElements, materials: Sequence[JointStrength],
     turn = turn / np.abs(turn).max(axis=2, keepdims=True)
     offset = np.zeros((nq, 6))
     offset[yields] = cohesion_shift(h, friction, cohesion) / unit[yields]
+    offset[joints] = foot_apex[:, None] * np.array([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]) / unit[joints]
     return _Local(
-        stress_of=sp.csr_matrix(sp.hstack([into @ forces, rest])),
+        stress_of=sp.csr_matrix(sp.hstack([into @ forces, at_corners, rest])),
         offset=offset.ravel(),
-        still=sp.csr_matrix(sp.hstack([_blocks(turn, np.arange(ny), ny), sp.csr_matrix((3 * ny, 6 * len(elastic)))])),
+        still=sp.csr_matrix(sp.hstack([_blocks(turn, np.arange(ny), ny), sp.csr_matrix((3 * ny, corners + 6 * len(elastic)))])),
         planes=sp.csr_matrix((0, width)),
         limit=empty,
-        friction=np.repeat(friction, 12),
+        friction=np.concatenate([np.repeat(friction, 12), np.repeat(foot_friction, 2)]),
     )
 
 

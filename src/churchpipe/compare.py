@@ -99,8 +99,8 @@ _ASK_FOR_IT = 'Ask for the value without dilatancy: flow = ["associative", "non-
 _REASONS = {
     "associative": "In an associative analysis joints open as they slide (dilatancy): its load factor is an upper estimate.",
     "non-associative": "In a non-associative one they slide without opening, as in reality; its load factor is one of several.",
-    "shell": "The shell is associative too. It has infinitely small stones, cracks as wide as an element, and walls that meet on "
-    "their mid-planes, so that it may err to either side.",
+    "shell": "The shell is associative too. It has infinitely small stones, cracks above its feet as wide as an element, and "
+    "walls that meet on their mid-planes, so that it may err to either side.",
     "cohesion": "Joints with cohesion bear tension in the shell (up to the cohesion over the friction coefficient) and none "
     "between stones, so that the shell may be far too strong.",
     "torsion": "Friction at the corners of a joint overrates its resistance to torsion, which the torsion model gets right under "

@@ -223,23 +223,16 @@ def shell_of_wall(rows: int, length: float = 2.0) -> cp.ShellModel:
     return shell(middle, triangles, thickness=B, cell=(0.5, 1.0), surface_weight=GAMMA * B, supported=lambda p: p[:, 2] < 1e-9)
 
 
-def test_the_shell_under_a_roof_converges_to_the_closed_form() -> None:
+@pytest.mark.parametrize("rows", [4, 8])
+def test_the_shell_under_a_roof_has_the_closed_form(rows: int) -> None:
     stones = cp.derive_blocks(brick_wall(2.0))
     roof = [cp.LineLoad("wall", dead=P, mass=M, thrust=500.0, toward="+y", eccentricity=0.1)]
     expected = by_hand(p=P, e=0.1, thrust=500.0, mass=M)
     assert pushed(stones, cp.LoadCase((0, 1, 0)), roof).load_factor == pytest.approx(expected, rel=1e-6)
-    factors: list[float] = []
-    for rows in (4, 8, 16):
-        mesh = shell_of_wall(rows)
-        load = cp.shell_loaded(cp.LoadCase((0, 1, 0)), mesh, stones, roof)
-        state = cp.shell_limit_analysis(mesh, load, [cp.Material("default", GAMMA, 0.6)], membrane="CST")
-        assert state.status == "optimal"
-        factors.append(state.load_factor)
-    # From above and of first order, as under the wall's own weight (test_shell_walls.py): the limit by Richardson.
-    coarse, middle, fine = factors
-    assert coarse > middle > fine > expected
-    ratio = (coarse - middle) / (middle - fine)
-    assert fine - (middle - fine) / (ratio - 1) == pytest.approx(expected, rel=0.01)
+    mesh = shell_of_wall(rows)
+    load = cp.shell_loaded(cp.LoadCase((0, 1, 0)), mesh, stones, roof)
+    state = cp.shell_limit_analysis(mesh, load, [cp.Material("default", GAMMA, 0.6)], membrane="CST")
+    assert state.load_factor == pytest.approx(expected, rel=1e-6)
 
 
 BAD: list[tuple[Callable[[], Carried], str | None]] = [

@@ -29,8 +29,8 @@ def meshed() -> tuple[cp.ShellModel, Case]:
 @pytest.mark.parametrize(
     ("name", "planes", "ours", "blocks"),
     [
-        ("+x", "cell", 0.19943, 0.2207),
-        ("-y", "cell", 0.20572, 0.2340),
+        ("+x", "cell", 0.18947, 0.2207),
+        ("-y", "cell", 0.20570, 0.2340),
         ("tower +x", "cell", 0.31986, 0.4029),
         ("-y", "paper", 0.20734, 0.2340),
     ],
@@ -52,14 +52,14 @@ def test_the_bounds_of_the_church_meet_as_closely_as_the_solver_aims() -> None:
     load = next(load for load in case.loads if load.name == "+x")
     state = cp.shell_limit_analysis(shell, load, case.materials, membrane="CST")
     assert (state.status, state.message) == ("optimal", "")
-    assert state.lower_bound == pytest.approx(0.22948440, rel=LIMIT.duality_gap)
+    assert state.lower_bound == pytest.approx(0.21936445, rel=LIMIT.duality_gap)
     assert 0 <= state.upper_bound - state.lower_bound <= LIMIT.duality_gap * state.lower_bound
     assert state.iterations <= 30
 
 
 @pytest.mark.slow("docs/shell_results.md: The church")
 def test_without_a_bound_on_the_twisting_moment_the_mechanism_along_x_is_missed() -> None:
-    # .30 instead of .20: the side wall, held by the triumphal wall and dragged along by the facade, has to warp.
+    # .30 instead of .19: the side wall, held by the triumphal wall and dragged along by the facade, has to warp.
     shell, case = meshed()
     load = next(load for load in case.loads if load.name == "+x")
     state = cp.shell_limit_analysis(shell, load, case.materials, planes="paper")

@@ -14,4 +14,4 @@ def test_both_models_of_s22() -> None:
     blocks = cp.limit_analysis(stones, contacts, TILTING_LOADS["S22"], friction=0.7)
     case = cp.read_case(pipeline_folder() / "cases" / "s22.toml")
     shell = cp.shell_limit_analysis(cp.derive_shell(case.building(), element_size=0.06), case.loads[0], case.materials)
-    assert (round(blocks.load_factor, 4), round(shell.load_factor, 4)) == (0.2065, 0.2216)
+    assert (round(blocks.load_factor, 4), round(shell.load_factor, 4)) == (0.2065, 0.2125)

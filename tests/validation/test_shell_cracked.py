@@ -38,8 +38,7 @@ def test_a_curve_across_a_wall_is_that_of_whole_sections() -> None:
     assert 1e3 * top(factor, h, height, cracks=True) == pytest.approx(2.59, abs=0.005)
 
 
-@pytest.mark.slow("docs/limits.md: a wall that soil presses on")
-def test_soil_takes_less_from_a_shell_whose_hinge_is_wide() -> None:
+def test_soil_takes_from_a_shell_what_it_takes_from_stones() -> None:
     # Moments about the edge of the base: weight against soil, 1.5 m high, and its surcharge.
     h, height, share, deep, more = 0.5, 3.0, 0.33, 1.5, 2e3
     brick = cp.Material("default", WEIGHT, 0.9)
@@ -50,11 +49,11 @@ def test_soil_takes_less_from_a_shell_whose_hinge_is_wide() -> None:
     by_hand = (own * h / 2 - share * (WEIGHT * deep**3 / 6 + more * deep**2 / 2)) / (own * height / 2)
     blocks = cp.limit_analysis(stones, cp.find_contacts(stones), cp.loaded(ACROSS, stones, soil), 0.9)
     assert blocks.load_factor == pytest.approx(by_hand, rel=1e-6)
-    found: list[float] = []
-    for size in (0.4, 0.2, 0.1):
+    # The hinge is in the joint at the foot, whatever the mesh.
+    for size in (0.4, 0.2):
         shell = cp.derive_shell(building, size)
-        found.append(cp.shell_limit_analysis(shell, cp.shell_loaded(ACROSS, shell, stones, soil), [brick]).load_factor)
-    assert [by_hand, *found] == pytest.approx([0.0658, 0.1053, 0.0947, 0.0811], abs=5e-5)
+        found = cp.shell_limit_analysis(shell, cp.shell_loaded(ACROSS, shell, stones, soil), [brick])
+        assert found.load_factor == pytest.approx(by_hand, rel=1e-6)
 
 
 def test_a_wall_that_soil_pushes_over_is_told_of_as_one() -> None:

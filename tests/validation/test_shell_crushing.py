@@ -27,17 +27,14 @@ def overturning(strength: float) -> float:
     return (B - B * HEIGHT * WEIGHT / strength) / HEIGHT
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("strength", [MPA, pytest.param(0.5 * MPA, marks=pytest.mark.slow("docs/contact_models.md: crushing"))])
-def test_wall_that_turns_about_crushed_masonry(strength: float) -> None:
-    coarse, fine = (cp.shell_limit_analysis(mesh(size), PUSH, masonry(strength)) for size in (0.5, 0.3))
-    for state in (coarse, fine):
-        assert state.status == "optimal"
-        assert abs(state.upper_bound - state.lower_bound) <= 1e-6 * state.load_factor
-    # Meshes of these elements are too strong by an error of first order: the straight line through two meshes leads to size zero.
-    exact = overturning(strength)
-    assert exact < fine.load_factor < coarse.load_factor < 1.05 * exact
-    assert fine.load_factor - 1.5 * (coarse.load_factor - fine.load_factor) == pytest.approx(exact, rel=0.01)
+@pytest.mark.parametrize("size", [1.0, pytest.param(0.3, marks=pytest.mark.slow("docs/contact_models.md: crushing"))])
+@pytest.mark.parametrize("strength", [MPA, 0.5 * MPA])
+def test_wall_that_turns_about_crushed_masonry(strength: float, size: float) -> None:
+    """The joint at its foot crushes as that of stones does, whatever the mesh."""
+    state = cp.shell_limit_analysis(mesh(size), PUSH, masonry(strength))
+    assert state.status == "optimal"
+    assert abs(state.upper_bound - state.lower_bound) <= 1e-6 * state.load_factor
+    assert state.load_factor == pytest.approx(overturning(strength), rel=1e-6)
 
 
 @pytest.mark.slow
@@ -59,10 +56,10 @@ def test_weaker_masonry_carries_less_and_strong_masonry_as_if_it_never_crushed()
     assert cp.shell_limit_analysis(shell, PUSH, masonry(0.15 * MPA)).status == "unstable"
 
 
-@pytest.mark.parametrize("headers", [pytest.param("flemish", marks=pytest.mark.slow("docs/contact_models.md: crushing")), "none"])
+@pytest.mark.parametrize("headers", ["flemish", "none"])
 def test_other_bonds_crush_as_well(headers: str) -> None:
-    shell = mesh(0.6, 3.0, pattern="header-stretcher", headers=headers)
-    plain, weak = (cp.shell_limit_analysis(shell, PUSH, masonry(f)) for f in (None, 0.3 * MPA))
-    assert weak.status == "optimal"
+    state = cp.shell_limit_analysis(mesh(0.6, 3.0, pattern="header-stretcher", headers=headers), PUSH, masonry(0.3 * MPA))
+    assert state.status == "optimal"
     # A strip of 3 m x 18 kN/m3 / .3 MPa, .18 of the thickness, is pressed at the base, of each leaf where there are two.
-    assert weak.load_factor / plain.load_factor == pytest.approx(1 - 0.18, abs=0.01)
+    width = B / 2 if headers == "none" else B
+    assert state.load_factor == pytest.approx(width / 3.0 * (1 - 0.18), rel=1e-6)

@@ -168,7 +168,7 @@ def test_a_vaulted_apse_stands_beside_ring_beams() -> None:
 
 
 @pytest.mark.slow("docs/vault_validation.md: a dome on slabs, as stones and as a shell of finer and finer elements")
-@pytest.mark.parametrize(("size", "expected"), [(0.75, 0.5214), (0.5, 0.5220)])
+@pytest.mark.parametrize(("size", "expected"), [(0.75, 0.5046), (0.5, 0.5076)])
 def test_a_dome_on_slabs_as_a_shell(size: float, expected: float) -> None:
     building, load = domed(), cp.LoadCase((1, 0, 0))
     stones = cp.derive_blocks(building)

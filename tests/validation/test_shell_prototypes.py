@@ -2,7 +2,7 @@
 
 Independent calculations made for this project, 8 planes, quadratic membrane: S5 .316 at 40 x 45 mm, converging to about .31
 (paper .298); S22 with an unyielding lintel .214 at 20 x 22.5 mm and still falling, band .20-.22 (paper .182: how its lintel was
-modelled is not said). The exact cell lies inside the planes; on these buildings by 2.5 % at most.
+modelled is not said). The exact cell lies inside the planes and stands on joints; on these buildings it has 4.5 % less at most.
 """
 
 from collections.abc import Mapping
@@ -34,9 +34,9 @@ def test_shell_of_the_same_building(name: str, low: float, high: float, planes: 
 # Load factors by the size of elements, mm: docs/shell_results.md, and by it docs/limits.md and docs/second_model.md.
 MESHES = {
     "s5": {160: 0.2869, 120: 0.2969, 90: 0.3004, 60: 0.3015},
-    "s22": {160: 0.2380, 120: 0.2351},
+    "s22": {160: 0.2200, 120: 0.2180},
 }
-FINE = {"s5": {45: 0.3047, 30: 0.3048, 22.5: 0.3063}, "s22": {90: 0.2266, 60: 0.2216, 45: 0.2172, 30: 0.2144, 22.5: 0.2111}}
+FINE = {"s5": {45: 0.3047, 30: 0.3048, 22.5: 0.3063}, "s22": {90: 0.2130, 60: 0.2125, 45: 0.2091, 30: 0.2071, 22.5: 0.2054}}
 
 
 @pytest.mark.slow

@@ -34,15 +34,6 @@ def mesh_of(rows: int, *walls: tuple[float, float]) -> cp.ShellModel:
     return replace(made, thickness=thickness, surface_weight=GAMMA * thickness)
 
 
-def in_the_limit(factors: list[float]) -> float:
-    """Richardson: of three meshes, each half the one before."""
-    coarse, middle, fine = factors
-    assert coarse > middle > fine
-    ratio = (coarse - middle) / (middle - fine)
-    return fine - (middle - fine) / (ratio - 1)
-
-
-@pytest.mark.slow
 def test_a_beam_turns_with_its_wall() -> None:
     # About the toe: (W b/2 + B b/2) / (W h/2 + B (h + d/2)), W the wall, B the beam, d its height.
     b = 0.5
@@ -53,16 +44,14 @@ def test_a_beam_turns_with_its_wall() -> None:
     beamed = cp.with_ring_beams(stones, ["wall"], height=DEEP, unit_weight=24e3)
     load = cp.LoadCase((0, 1, 0))
     assert cp.limit_analysis(beamed, cp.find_contacts(beamed), load, 0.6).load_factor == pytest.approx(expected, rel=1e-6)
-    factors: list[float] = []
-    for rows in (4, 8, 16):
+    for rows in (4, 8):
         model = on_top(mesh_of(rows, (0.0, b)), (LENGTH / 2, 0.0, H + DEEP / 2), beam)
         state = cp.shell_limit_analysis(model, load, MASONRY, membrane="CST")
         assert state.status == "optimal"
         # f_L . u = 1 per total weight, the beam's with it.
         work = model.weight @ state.velocities[model.triangles].mean(axis=1)[:, 1] + beam * state.beam_velocities[0, 1]
         assert work == pytest.approx(wall + beam, rel=1e-6)
-        factors.append(state.load_factor)
-    assert in_the_limit(factors) == pytest.approx(expected, rel=0.01)
+        assert state.load_factor == pytest.approx(expected, rel=1e-6)
 
 
 def under_a_floor(thick: float, thin: float, weight: float, deep: float, apart: float) -> float:
@@ -95,13 +84,10 @@ def test_a_rigid_floor_holds_two_walls_together(way: float) -> None:
     state = cp.limit_analysis(floored, cp.find_contacts(floored), load, 2.0)
     assert state.load_factor == pytest.approx(expected, rel=1e-6)
     materials = [replace(one, friction=2.0) for one in MASONRY]
-    factors: list[float] = []
-    for rows in (4, 8, 16):
+    for rows in (4, 8):
         model = on_top(mesh_of(rows, (0.0, thick), (apart, thin)), tuple(middle), weight)
         found = cp.shell_limit_analysis(model, load, materials, membrane="CST")
-        assert found.status == "optimal"
-        factors.append(found.load_factor)
-    assert in_the_limit(factors) == pytest.approx(expected, rel=0.02)
+        assert found.load_factor == pytest.approx(expected, rel=1e-6)
 
 
 def pushed_along(friction: float, groups: tuple[cp.JointGroup, ...] = ()) -> float:
@@ -113,16 +99,13 @@ def pushed_along(friction: float, groups: tuple[cp.JointGroup, ...] = ()) -> flo
     return cp.shell_limit_analysis(model, load, strength, membrane="CST").load_factor
 
 
-def test_a_beam_bears_by_the_lesser_friction() -> None:
-    # It slides on the course under it, which shears and dilates: that rises by half as much as the beam, whose weight pushes.
-    beam, course = 10e3, GAMMA * 0.5 * LENGTH * H / 8
+def test_a_beam_slides_at_the_lesser_friction() -> None:
     for friction in (0.2, 0.4):
-        assert pushed_along(friction) == pytest.approx(friction * (beam + course / 2) / beam, rel=1e-6)
+        assert pushed_along(friction) == pytest.approx(friction, rel=1e-6)
     # No more than the masonry's own.
-    assert pushed_along(0.9) == pytest.approx(rough := pushed_along(0.6), rel=1e-6)
-    assert rough > 0.6
+    assert pushed_along(0.9) == pytest.approx(0.6, rel=1e-6)
     anchored = cp.JointGroup("anchors", between=("beam", "wall"), friction=0.6)
-    assert pushed_along(0.2, (anchored,)) == pytest.approx(rough, rel=1e-6)
+    assert pushed_along(0.2, (anchored,)) == pytest.approx(0.6, rel=1e-6)
 
 
 def test_the_gate_sees_what_a_beam_holds() -> None:

@@ -1,4 +1,4 @@
-"""Load factors of free walls as shells, base clamped, brick 80 x 40 x 30 mm, 28.6 kN/m3, cohesionless.
+"""Load factors of free walls as shells, brick 80 x 40 x 30 mm, 28.6 kN/m3, cohesionless.
 
 Closed forms: a wall of thickness t and height H overturns out of plane at t / H, and slides in its plane at the friction
 coefficient; a pier B x H splits along a line as steep as the stones' stagger, mu_b = 2 a / b, and turns about its toe, which
@@ -38,25 +38,30 @@ def push(model: ShellModel, load: LoadCase, friction: float = 0.7, **choices: st
     return state
 
 
-def test_wall_overturns_out_of_plane() -> None:
-    rows = [2, 4, 8, 16]
-    factors = [push(free_wall(n), OUT, membrane="CST").load_factor for n in rows]
+@pytest.mark.parametrize("rows", [2, 4, 16])
+@pytest.mark.parametrize("membrane", ["CST", "LST"])
+def test_wall_overturns_out_of_plane(rows: int, membrane: str) -> None:
+    for load in (OUT, LoadCase((0, -1, 0))):
+        state = push(free_wall(rows), load, membrane=membrane)
+        assert state.load_factor == pytest.approx(0.04 / 0.63, rel=1e-6)
+        # The top moves along the load, and evenly.
+        top = state.velocities[-5 * rows :, 1] * load.direction[1]
+        assert top.min() > 0
+
+
+@pytest.mark.parametrize("planes", ["paper", "paper+torsion"])
+@pytest.mark.parametrize("membrane", ["CST", "LST"])
+def test_clamped_walls_are_too_strong_by_the_width_of_their_hinge(planes: str, membrane: str) -> None:
+    rows = [2, 4, 8, 16] if membrane == "CST" else [4]
+    factors = [push(free_wall(n), OUT, planes=planes, membrane=membrane).load_factor for n in rows]
+    assert factors[len(rows) > 1] == pytest.approx(0.071588, abs=1e-6)
+    if len(rows) == 1:
+        return
     assert factors == pytest.approx([0.0788, 0.0716, 0.0675, 0.0655], abs=5e-5)
     # From above and of first order; the limit from the last three by Richardson, its order fitted.
     coarse, middle, fine = factors[1:]
     ratio = (coarse - middle) / (middle - fine)
     assert fine - (middle - fine) / (ratio - 1) == pytest.approx(0.04 / 0.63, rel=0.01)
-
-
-@pytest.mark.parametrize("planes", ["paper", "paper+torsion", "cell"])
-@pytest.mark.parametrize("membrane", ["CST", "LST"])
-def test_overturning_does_not_depend_on_membrane_or_planes(planes: str, membrane: str) -> None:
-    for load in (OUT, LoadCase((0, -1, 0))):
-        state = push(free_wall(4), load, planes=planes, membrane=membrane)
-        assert state.load_factor == pytest.approx(0.071588, abs=1e-6)
-        # The top moves along the load, and evenly.
-        top = state.velocities[-20:, 1] * load.direction[1]
-        assert top.min() > 0
 
 
 def test_wall_slides_in_its_plane_at_the_friction_coefficient() -> None:

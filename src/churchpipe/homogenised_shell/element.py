@@ -19,6 +19,7 @@ import scipy.sparse as sp
 
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.edges import Edges, find_edges
+from churchpipe.homogenised_shell.foot_joints import FootJoints, foot_joints, pair_stiffness
 from churchpipe.homogenised_shell.ledges import carried_by_walls
 from churchpipe.homogenised_shell.rigid_beams import carried_by_beams
 from churchpipe.homogenised_shell.settings import SOLVER
@@ -56,6 +57,12 @@ class ShellElements:
     facet: IntArray
     clamped: BoolArray
     motion: sp.csr_matrix[np.float64]
+    feet: FootJoints | None = None
+
+    @property
+    def inner(self) -> int:
+        """Number of points within the facets; those of the joints at their feet come after them."""
+        return len(self.facet) - (0 if self.feet is None else self.feet.count)
 
     @property
     def unknowns(self) -> int:
@@ -89,21 +96,57 @@ class ShellElements:
         return forces
 
     def facet_strain(self, unknowns: FloatArray) -> FloatArray:
-        """Return the strain of each facet (nt, 6), the mean of its quadrature points."""
-        strain = np.asarray(self.strain @ unknowns).reshape(-1, 6)
-        total = np.zeros((len(self.shell.triangles), 6))
-        np.add.at(total, self.facet, strain * self.weight[:, None])
-        return total / np.bincount(self.facet, self.weight)[:, None]
+        """Return the strain of each facet (nt, 6), as `of_facets`."""
+        return self.of_facets(self.point_strain(unknowns))
+
+    def point_strain(self, unknowns: FloatArray) -> FloatArray:
+        """Return the strain of each point (nq, 6), and the motions of the corners of joints at feet."""
+        return np.asarray(self.strain @ unknowns).reshape(-1, 6)
+
+    def of_facets(self, strain: FloatArray) -> FloatArray:
+        """Return the mean in each facet (nt, 6) of strains at the points (nq, 6), and with it the motion in the joint at its foot
+        as if it were spread over the facet, but for what slides across the thickness."""
+        out = self.facet_mean(strain)
+        if self.feet is not None:
+            feet, shell = self.feet, self.shell
+            axes, away = shell.axes[feet.facet], feet.frame[:, 0]
+            first, second = np.einsum("pkj,pjc->kpc", strain[self.inner :].reshape(-1, 2, 3), feet.frame)
+            across = np.einsum("pc,pc->p", feet.frame[:, 2], axes[:, 2]) * shell.thickness[feet.facet]
+            spread = np.concatenate(
+                [
+                    _symmetric(axes, (first + second) / 2, away),
+                    _symmetric(axes, (second - first) / np.where(across == 0, np.inf, across)[:, None], away),
+                ],
+                axis=1,
+            )
+            np.add.at(out, feet.facet, spread * (feet.length / shell.area[feet.facet])[:, None])
+        return out
+
+    def facet_mean(self, values: FloatArray) -> FloatArray:
+        """Return the mean in each facet (nt, k) of values at the points (nq, k)."""
+        own, weight = self.facet[: self.inner], self.weight[: self.inner]
+        total = np.zeros((len(self.shell.triangles), values.shape[1]))
+        np.add.at(total, own, values[: self.inner] * weight[:, None])
+        return total / np.bincount(own, weight)[:, None]
+
+    def point_stiffness(self, stiffness: FloatArray) -> FloatArray:
+        """Return the stiffness (nq, 6, 6) of the points for that of the facets (nt, 6, 6)."""
+        out = stiffness[self.facet]
+        if self.feet is not None:
+            out[self.inner :] = pair_stiffness(self.shell, self.feet, out[self.inner :])
+        return out
 
     def stiffness_matrix(self, stiffness: FloatArray) -> sp.csc_matrix[np.float64]:
         """Return K (n, n) for the facets' stiffness (nt, 6, 6), as of `stiffness.wall_stiffness`."""
-        local = stiffness[self.facet] * self.weight[:, None, None]
+        local = self.point_stiffness(stiffness) * self.weight[:, None, None]
         count = len(self.facet)
         blocks = sp.bsr_matrix((local, np.arange(count), np.arange(count + 1)), shape=(6 * count, 6 * count))
         return sp.csc_matrix(self.strain.T @ blocks @ self.strain)
 
 
-def shell_elements(shell: ShellModel, membrane: Membrane = "LST", stations: Stations = "inner") -> ShellElements:
+def shell_elements(
+    shell: ShellModel, membrane: Membrane = "LST", stations: Stations = "inner", *, on_joints: bool = False
+) -> ShellElements:
     """Divide a shell into elements.
 
     stations: where the strain of an LST is evaluated. With "inner" the elastic energy is exact and load factors are most
@@ -129,19 +172,27 @@ def shell_elements(shell: ShellModel, membrane: Membrane = "LST", stations: Stat
     carried, along = carried_by_beams(shell, edges, bubble_edge)
     on_walls, feet = carried_by_walls(shell, edges, bubble_edge, bubble_direction)
     motion = sp.csr_matrix(sp.hstack([on_walls, on_walls @ carried]))
+    strain, weight = sp.csr_matrix(strain @ motion), shell.area[facet] / len(places)
+    clamped = np.concatenate([np.repeat(shell.supported, 3), held, held[bubble_edge]]) | along | feet
+    joints = foot_joints(shell, edges) if on_joints else None
+    if joints is not None:
+        own = joints.motion
+        strain = sp.csr_matrix(
+            sp.vstack([strain, sp.csr_matrix((own.data, own.indices, own.indptr), (own.shape[0], strain.shape[1]))])
+        )
+        facet, weight = np.append(facet, joints.facet), np.append(weight, joints.length)
+        clamped[: own.shape[1]] &= ~joints.free(len(shell.points), len(edges.nodes))
     return ShellElements(
         shell=shell,
         edges=edges,
         bubble_edge=bubble_edge,
         bubble_direction=bubble_direction,
-        strain=sp.csr_matrix(strain @ motion),
-        weight=shell.area[facet] / len(places),
+        strain=strain,
+        weight=weight,
         facet=facet,
-        clamped=np.append(
-            np.concatenate([np.repeat(shell.supported, 3), held, held[bubble_edge]]) | along | feet,
-            np.zeros(carried.shape[1], np.bool_),
-        ),
+        clamped=np.append(clamped, np.zeros(carried.shape[1], np.bool_)),
         motion=motion,
+        feet=joints,
     )
 
 

@@ -92,7 +92,7 @@ def shell_limit_analysis(
     shell, materials = with_bearings(shell, listed("shell_limit_analysis: materials", materials, JointStrength))
     one_of("solver", solver, *get_args(Solver))
     begin = perf_counter()
-    elements = shell_elements(shell, membrane, stations)
+    elements = shell_elements(shell, membrane, stations, on_joints=planes == "cell")
     bars = listed("shell_limit_analysis: ties", ties, Tie)
 
     def analysed(case: LoadCase, looks: bool = True) -> tuple[ShellLimitState, float]:

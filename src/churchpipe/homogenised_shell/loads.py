@@ -97,6 +97,8 @@ def load_vectors(elements: ShellElements, load: LoadCase) -> LoadVectors:
     if weight == 0:
         raise InputError("shell", "no weight", expected="surface_weight > 0 somewhere")
     h = shell.thickness[elements.facet]
+    # Joints have forces alone, which do work on the motions of their corners.
+    h[elements.inner :] = 1.0
     # Membrane forces in units of weight over height of the shell, moments in the same times the thickness.
     force = weight / float(np.ptp(shell.points, axis=0).max())
     unit = force * np.column_stack([np.ones((len(h), 3)), np.repeat(h[:, None], 3, axis=1)])

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from churchpipe.errors import InputError
 from churchpipe.homogenised_shell.cell_limit import cohesion_shift
 from churchpipe.homogenised_shell.element import ShellElements
+from churchpipe.homogenised_shell.foot_joints import pair_closing
 from churchpipe.homogenised_shell.rigid_cell import rigid_cell
 from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.homogenised_shell.strength import Planes, paper_planes
@@ -65,15 +66,30 @@ def point_strength(
         known, kind = np.unique(np.column_stack([sizes, rank.ravel()[shell.cell], endurance]), axis=0, return_inverse=True)
         cells = [rigid_cell(str(bond[int(which)]), a, b, h) for a, b, h, which, _ in known.tolist()]
         apex = cohesion_shift(sizes[facet, 2], friction, cohesion)
+        apex = np.where(lintel[:, None], tension, apex)
+        closings, areas = [cell.closing for cell in cells], [cell.area for cell in cells]
+        capacity = [
+            each * cell.joints if np.isfinite(each) else np.zeros(0) for each, cell in zip(known[:, 4], cells, strict=True)
+        ]
+        of_point = kind.ravel()[facet].astype(np.int64)
+        below = slice(elements.inner, len(facet))
+        if elements.inner < len(facet):
+            # Joints that bear as much before they crush are of one kind.
+            most, which = np.unique((endurance * shell.thickness)[facet[below]], return_inverse=True)
+            of_point[below] = len(closings) + which
+            crushing = [each[np.isfinite(each)] for each in most[:, None]]
+            closings += [pair_closing(crushes=len(each) > 0) for each in crushing]
+            areas += [1.0] * len(most)
+            capacity += crushing
+            # Cohesion moves both corners of a pair away from the joint, each by its half.
+            apex[below] = apex[below, 1, None] * np.array([0.5, 0.0, 0.0, 0.5, 0.0, 0.0])
         return PointCells(
-            closings=tuple(cell.closing for cell in cells),
-            areas=np.array([cell.area for cell in cells]),
-            capacity=tuple(
-                each * cell.joints if np.isfinite(each) else np.zeros(0) for each, cell in zip(known[:, 4], cells, strict=True)
-            ),
-            kind=kind.ravel()[facet].astype(np.int64),
+            closings=tuple(closings),
+            areas=np.array(areas),
+            capacity=tuple(capacity),
+            kind=of_point,
             friction=friction,
-            apex=np.where(lintel[:, None], tension, apex),
+            apex=apex,
         )
     other = [str(name) for name in bond if name != "running"]
     if other:

@@ -103,7 +103,7 @@ def pushover(
         raise InputError("steps", "out of range", found=steps, expected=">= 1")
     control = None if control_point is None else _node(shell, control_point)
     stiffness = facet_stiffness(shell, materials)
-    elements = shell_elements(shell, membrane, stations)
+    elements = shell_elements(shell, membrane, stations, on_joints=planes == "cell")
     condensed = CondensedShell(elements, load, materials, planes)
     path = _Path(condensed, stiffness, listed("pushover: ties", ties, Tie))
     status, message = path.stand(progress)
@@ -124,7 +124,7 @@ class _Path:
         self._ties = TiePath(elements, ties, self._softness, loads.weight)
         unit = loads.unit.T
         size = elements.weight / (loads.weight * self._softness)
-        flexibility = np.moveaxis(np.linalg.inv(stiffness)[elements.facet], 0, 2)
+        flexibility = np.moveaxis(np.linalg.inv(elements.point_stiffness(stiffness)), 0, 2)
         self._compliance = flexibility * unit[:, None] * unit[None, :] * size
         self._stress = np.zeros((6, len(elements.facet)))
         self._state: StressState | None = None
@@ -215,13 +215,11 @@ class _Path:
         along = displacement @ way
         node = int(along.argmax()) if control is None else control
         area = elements.weight
-        total = np.bincount(elements.facet, area)
         rows = condensed.strength.rates(self._multipliers) * condensed.loads.weight * self._softness / area
-        mean = np.stack([np.bincount(elements.facet, area * row) / total for row in rows], axis=1)
-        stress = self._stress * condensed.loads.unit.T
-        facet_stress = np.stack([np.bincount(elements.facet, area * row) / total for row in stress], axis=1)
-        elastic = np.linalg.solve(self._stiffness, facet_stress[:, :, None])[:, :, 0]
-        plastic = elements.facet_strain(self._dead_motion + self._motion) - elastic
+        mean = elements.facet_mean(rows.T)
+        stress = (self._stress * condensed.loads.unit.T).T
+        elastic = np.linalg.solve(elements.point_stiffness(self._stiffness), stress[:, :, None])[:, :, 0]
+        plastic = elements.of_facets(elements.point_strain(self._dead_motion + self._motion) - elastic)
         return CapacityCurve(
             load_factor=np.array([step.load_factor for step in self._steps]),
             control=np.array([moved[node] @ way for moved in self._moved]),

@@ -1,7 +1,7 @@
-"""Ring beams on a shell: the nodes and edges under a rigid body move as it does.
+"""Ring beams on a shell: the nodes and edges under a rigid body move as it does, and in the joint between both (`foot_joints`).
 
-The facets below have the strength of masonry up to their upper edge, and none across a bed joint but friction and the pressure
-that lies within the thickness. So they bear a body that is fixed to that edge as a bed joint would bear it by friction.
+With planes for a strength there are no such joints. The facets below then bear the beam by their own strength: friction across
+a bed joint, and the pressure that lies within the thickness.
 """
 
 import numpy as np

@@ -28,6 +28,9 @@ class SolverSettings:
         lintel_tension: their tensile strength in units of stress (weight over the longest side of the shell, N/m). With infinite
         strength a wall of fine facets could not move at the corner of a lintel. lintel_friction: their friction.
 
+    Joints at feet:
+        foot_stiffness: on a capacity curve, over that of a course. What a shell stands on does not yield.
+
     Regularisation of a limit analysis with planes. The planes do not bound M12, and points far from all planes have no compliance
         of their own; the steps of the solver get a small one, which does not change the solution.
         by_area: compliance of the whole shell, distributed by area. by_point: of each point, tried where the first fails.
@@ -54,6 +57,7 @@ class SolverSettings:
         coincide need many. flow_tolerance: change of a rate, as a share of the largest, at which a point is left alone: rounding.
     """
 
+    foot_stiffness: float = 1e4
     fold: float = 0.5
     level: float = 1e-6
     duality_gap: float = 1e-6

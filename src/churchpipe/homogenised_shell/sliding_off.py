@@ -1,4 +1,4 @@
-"""Whether stones slide off a level before a shell falls, which does not slide across its thickness."""
+"""Whether stones slide off a level before a shell falls, which slides across its thickness at its feet alone."""
 
 from collections.abc import Iterator, Sequence
 

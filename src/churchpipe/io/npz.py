@@ -36,7 +36,7 @@ SCHEMAS: dict[type, str] = {
     Assemblage: "churchpipe assemblage 2",
     Contacts: "churchpipe contacts 2",
     LimitState: "churchpipe limit-state 2",
-    ShellModel: "churchpipe shell 3",
+    ShellModel: "churchpipe shell 4",
     ShellLimitState: "churchpipe shell-limit-state 3",
     CapacityCurve: "churchpipe capacity-curve 2",
     BlockCapacityCurve: "churchpipe block-capacity-curve 5",

@@ -116,9 +116,10 @@ class ShellLimitState(Shown):
     load_factor: NaN when unstable or failed, inf when unbounded. lower_bound, upper_bound: of the stress and of the velocity
     field, for the problem of this mesh (Morley bending is neither static nor kinematic: refine and extrapolate).
     tie_forces (nt,) N and tie_sensitivity (nt,) 1/N as in `LimitState`.
-    stress (nq, 6) N/m and N, in the axes of the facets; velocities (nn, 3) and edge_rotation (ne,), f_L . u = 1 per total weight
-    (of an unstable shell: the falling mechanism, f_D . u = 1). plastic (nt, 6): its strain rates, 1/m and 1/m2, membrane and
-    curvature, the mean of each facet in its own axes. equilibrium_residual over the total weight, yield_violation over the unit
+    stress (nq, 6) N/m and N, in the axes of the facets, after it the forces in the joints at feet, N/m; velocities (nn, 3) and
+    edge_rotation (ne,), f_L . u = 1 per total weight (of an unstable shell: the falling mechanism, f_D . u = 1). plastic (nt, 6):
+    its strain rates, 1/m and 1/m2, membrane and curvature, the mean of each facet in its own axes, and what happens in the joint
+    at its foot spread over it. equilibrium_residual over the total weight, yield_violation over the unit
     of stress. beam_velocities (nm, 6): of ring beams, about their centroids.
     """
 

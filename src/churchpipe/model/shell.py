@@ -13,6 +13,7 @@ from churchpipe.model.arrays import (
     FloatArray,
     IntArray,
     NameArray,
+    floats,
     indices,
     names,
     rows_of,
@@ -32,10 +33,11 @@ class ShellModel(Shown):
     normal) and component c (x, y, z) of facet f, right-handed, the normal square to the facet whichever way round its vertices
     run; thickness (nt,) m; surface_weight (nt,) N/m2, zero where another wall's stones are counted; cell (nt,), row of
     unit_cells (nu, 2) m, course height a and stone length b; material, panel (nt,) names; yields (nt,) False for parts
-    kept elastic, such as a lintel; supported (nn,) nodes that are clamped. bonds (nu,): the bond of each unit cell, a name of
-    `bond.period`; running bond if left out. beams: rigid bodies that hold nodes of its walls. ledges (nl, 2, 2), `ledges_lkn`:
-    nodes n of an edge at the foot of a vault (k = 0), and of the edge at the top of a wall that bears it (k = 1) at a distance.
-    held (nh, 2): nodes that lie in a facet of a wall and go with it, each with that facet.
+    kept elastic, such as a lintel; supported (nn,) nodes that stand on the ground or on fixed bodies. bonds (nu,): the bond of
+    each unit cell, a name of `bond.period`; running bond if left out. beams: rigid bodies that hold nodes of its walls.
+    ledges (nl, 2, 2), `ledges_lkn`: nodes n of an edge at the foot of a vault (k = 0), and of the edge at the top of a wall that
+    bears it (k = 1) at a distance. held (nh, 2): nodes that lie in a facet of a wall and go with it, each with that facet.
+    bed_normal (nn, 3): normal of the surface on which a supported node stands, zeros where none is known.
     """
 
     points: FloatArray
@@ -53,6 +55,7 @@ class ShellModel(Shown):
     beams: ShellBeams = field(default_factory=ShellBeams)
     ledges: IntArray = field(default_factory=lambda: np.empty((0, 2, 2), dtype=np.int64))
     held: IntArray = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    bed_normal: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
 
     def __post_init__(self) -> None:
         nn, nt = rows_of("ShellModel.points", self.points), rows_of("ShellModel.triangles", self.triangles)
@@ -66,6 +69,9 @@ class ShellModel(Shown):
             bonds=names("ShellModel.bonds", self.bonds if np.size(self.bonds) else np.full(nu, "running"), (nu,)),
             held=indices("ShellModel.held", self.held, (None, 2), below=max(nn, nt)),
             ledges=indices("ShellModel.ledges", self.ledges, (None, 2, 2), below=nn),
+            bed_normal=floats(
+                "ShellModel.bed_normal", self.bed_normal if np.size(self.bed_normal) else np.zeros((nn, 3)), (nn, 3)
+            ),
         )
         check_kind("ShellModel.beams", self.beams, ShellBeams)
         sizes = len(self.beams.of_node), len(self.beams.bearing)

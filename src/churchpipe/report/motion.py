@@ -18,6 +18,8 @@ _OPENED = 0.05
 ELEVATION = 24.0
 # A side may hide this share of the moving stones that the best side shows; so many stones are looked for.
 HIDDEN, LOOKED_FOR = 0.5, 24
+# Plastic strains, and rates of motions of a metre or so, that are no more than this.
+_ROUNDING = 1e-7
 # Of the score of a side: more than what one analysis of a load differs by from another, and less than what one side shows better.
 _TO_THE_FRONT = 0.02
 
@@ -30,9 +32,10 @@ def plastic_size(plastic: FloatArray, thickness: FloatArray) -> FloatArray:
 
 
 def reference_strain(size: FloatArray) -> float:
-    """Return the plastic strain that stands for the mechanism: most facets that flow strain less."""
+    """Return the plastic strain that stands for the mechanism: most facets that flow strain less; 0 where all is rounding, as
+    where a wall slides off the ground."""
     largest = float(size.max(initial=0.0))
-    return float(np.percentile(size[size > 1e-3 * largest], 90)) if largest > 0 else 0.0
+    return float(np.percentile(size[size > 1e-3 * largest], 90)) if largest > _ROUNDING else 0.0
 
 
 def shell_amplitude(shell: ShellModel, speed: FloatArray) -> float:

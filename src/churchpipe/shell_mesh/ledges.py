@@ -99,6 +99,7 @@ def _on_tops(
         points=np.concatenate(nodes),
         triangles=np.concatenate(triangles),
         supported=np.append(shell.supported, np.zeros(count - len(shell.points), np.bool_)),
+        bed_normal=np.concatenate([shell.bed_normal, np.zeros((count - len(shell.points), 3))]),
         **{key: getattr(shell, key)[chosen] for key in _BY_FACET},
         ledges=np.concatenate([shell.ledges, np.array(ledges, dtype=np.int64).reshape(-1, 2, 2)]),
     )
@@ -148,7 +149,7 @@ def _distances(middle: FloatArray, foot: FloatArray, bars: FloatArray) -> tuple[
 def side_by_side(first: ShellModel, second: ShellModel) -> ShellModel:
     """Return two shells as one, whose nodes stay apart; the beams are those of the first."""
     facet = np.append(np.arange(len(first.triangles)), np.full(len(second.triangles), -1))
-    alike = ("points", "supported", "unit_cells", "bonds", *(key for key in _BY_FACET if key != "cell"))
+    alike = ("points", "supported", "bed_normal", "unit_cells", "bonds", *(key for key in _BY_FACET if key != "cell"))
     return replace(
         first,
         **{key: np.concatenate([getattr(first, key), getattr(second, key)]) for key in alike},

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
+from typing import Any
 
 import numpy as np
 
@@ -138,7 +139,7 @@ def _wall_shell(
         material=material,
         panel=np.concatenate([part_names(p, m.corners.mean(axis=1)) for p, m in zip(panels, meshes, strict=True)]),
         yields=np.array([region.yields and region.pattern != "single" for region in regions])[bond],
-        supported=_supported(building, points),
+        **_standing(building, points),
     )
     return shell, bearing[bond] if bodies else bearing
 
@@ -170,7 +171,7 @@ def _vault_shell(building: Building, element_size: float) -> ShellModel:
         material=facets.material,
         panel=facets.panel,
         yields=facets.yields,
-        supported=_supported(building, points),
+        **_standing(building, points),
     )
 
 
@@ -243,24 +244,37 @@ def _thickness_carried(surface: MidSurface, mesh: Mesh, facets: FloatArray, stat
     return carried * arc_filled(chart, mesh, stations) * signed_areas(mesh.corners) / (0.5 * np.linalg.norm(cross, axis=1))
 
 
-def _supported(building: Building, points: FloatArray) -> BoolArray:
-    on = np.zeros(len(points), dtype=np.bool_)
+def _standing(building: Building, points: FloatArray) -> dict[str, Any]:
+    """Return which nodes (nn,) stand on the ground or a fixed body, and the normals (nn, 3) of what they stand on."""
+    on, normal = np.zeros(len(points), dtype=np.bool_), np.zeros((len(points), 3))
+    for support in building.supports:
+        touching, face = _touching(support, points)
+        on |= touching
+        normal[touching] = face[touching]
     if building.ground is not None:
         lowest = float(points[:, 2].min())
         if lowest < building.ground - NODE_TOLERANCE:
             raise InputError(
                 "building", "masonry below the ground", found=f"z = {lowest:g} m", expected=f"z >= {building.ground:g} m"
             )
-        on |= points[:, 2] < building.ground + NODE_TOLERANCE
-    for support in building.supports:
-        on |= _touching(support, points)
-    return on
+        level = points[:, 2] < building.ground + NODE_TOLERANCE
+        on |= level
+        normal[level] = 0.0, 0.0, 1.0
+    return {"supported": on, "bed_normal": normal}
 
 
-def _touching(support: Support, points: FloatArray) -> BoolArray:
+def _touching(support: Support, points: FloatArray) -> tuple[BoolArray, FloatArray]:
+    """Return which points (n,) lie in a convex body or on it, and the normals (n, 3) of the faces next to them.
+
+    Of the faces that meet at a point it is the one on which most of these points lie.
+    """
     nodes = np.array([node for face in support.faces for node in face], dtype=np.int64)
     _, normal, mean = face_normals(support.points, nodes, np.cumsum([0] + [len(face) for face in support.faces]))
-    return (points @ normal.T - np.einsum("fc,fc->f", normal, mean) < NODE_TOLERANCE).all(axis=1)
+    beyond = points @ normal.T - np.einsum("fc,fc->f", normal, mean)
+    touching = (beyond < NODE_TOLERANCE).all(axis=1)
+    on_face = beyond > beyond.max(axis=1, keepdims=True) - NODE_TOLERANCE
+    bearing = on_face[touching].sum(axis=0)
+    return touching, normal[np.where(on_face, bearing, -1).argmax(axis=1)]
 
 
 def _check_resting(shell: ShellModel) -> None:

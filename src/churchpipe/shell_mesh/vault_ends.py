@@ -63,6 +63,7 @@ def with_end_joints(shell: ShellModel, vaulted: BoolArray) -> ShellModel:
         "triangles": triangles,
         "points": shell.points[near] + depth[:, None] * normal,
         "supported": np.zeros(len(near), dtype=np.bool_),
+        "bed_normal": np.zeros((len(near), 3)),
         "unit_cells": shell.unit_cells,
         "bonds": np.full(len(shell.unit_cells), "butt"),
     }

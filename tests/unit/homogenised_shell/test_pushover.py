@@ -48,6 +48,7 @@ def check(curve: CapacityCurve) -> None:
 
 def test_column_stretches_by_hand() -> None:
     # Without lateral contraction N22 is linear over the height and u quadratic: the element is exact, d = lambda w H^2 / 3 C22.
+    # The joint on the ground is ten thousand times as stiff as a course of 30 mm, and bears all of it: lambda w H over that.
     # Stones between beds of another material are hindered by these; of one material the wall does not contract.
     straight = replace(ELASTIC, block_poisson=0.0, joint_poisson=0.0, joint_modulus=ELASTIC.block_modulus)
     model = wall(6, columns=2)
@@ -55,9 +56,12 @@ def test_column_stretches_by_hand() -> None:
     stiffness = facet_stiffness(model, [Material("default", 28.6e3, 0.7, 0.0, straight)])[0, 1, 1]
     assert curve.status == "not-converged"
     displacement = np.array([step.displacement for step in curve.steps])
-    np.testing.assert_allclose(curve.load_factor, displacement * 3 * stiffness / (PRESSURE * 0.63**2), rtol=1e-6)
+    softness = PRESSURE * 0.63 * (0.63 / 3 + 0.03 / 1e4) / stiffness
+    np.testing.assert_allclose(curve.load_factor, displacement / softness, rtol=1e-6)
     # The top goes down by w H^2 / 2 C22.
-    np.testing.assert_allclose(curve.control, curve.load_factor * PRESSURE * 0.63**2 / (2 * stiffness), rtol=1e-6)
+    np.testing.assert_allclose(
+        curve.control, curve.load_factor * PRESSURE * 0.63 * (0.63 / 2 + 0.03 / 1e4) / stiffness, rtol=1e-6
+    )
     assert model.points[curve.control_point, 2] == pytest.approx(0.63)
     assert np.abs(curve.plastic).max() < 1e-6 * np.abs(curve.control[-1] / 0.63)
 
@@ -117,9 +121,10 @@ def test_a_step_agrees_with_its_statement_in_cvxpy(planes: Planes) -> None:
     seen: list[CapacityStep] = []
     curve = pushover(model, ASKEW, MASONRY, planes=planes, membrane="CST", steps=1, progress=seen.append)
     assert tuple(seen) == curve.steps
-    elements = shell_elements(model, "CST")
+    elements = shell_elements(model, "CST", on_joints=planes == "cell")
     program = shell_program(elements, ASKEW, MASONRY, planes)
-    flexibility = np.linalg.inv(facet_stiffness(model, MASONRY))[elements.facet] * elements.weight[:, None, None]
+    stiffness = elements.point_stiffness(facet_stiffness(model, MASONRY))
+    flexibility = np.linalg.inv(stiffness) * elements.weight[:, None, None]
     displacement = curve.steps[1].displacement
     condensed = CondensedShell(elements, ASKEW, MASONRY, planes)
     unit = condensed.loads.unit.T
@@ -184,7 +189,8 @@ def test_control_point_by_number_and_by_place() -> None:
     by_number = pushover(model, OUT, MASONRY, membrane="CST", control_point=1, steps=2)
     by_place = pushover(model, OUT, MASONRY, membrane="CST", control_point=model.points[1] + 0.01, steps=2)
     assert by_number.control_point == by_place.control_point == 1
-    np.testing.assert_allclose(by_number.control[1:], 0.0, atol=1e-15)
+    # What the wall stands on does not yield.
+    assert 0 < by_number.control[1] < 1e-6 * by_number.steps[1].displacement
 
 
 @pytest.mark.parametrize("planes", ["paper", "cell"])

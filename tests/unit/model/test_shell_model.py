@@ -50,4 +50,9 @@ def test_what_cannot_be_a_shell_is_named(wall: ShellModel, key: str, index: Any,
 
 def test_a_node_without_triangle_is_named(wall: ShellModel) -> None:
     with pytest.raises(InputError, match="a node belongs to no triangle; found 8"):
-        replace(wall, points=np.vstack([wall.points, [[0, 0, 9.0]]]), supported=np.append(wall.supported, False))
+        replace(
+            wall,
+            points=np.vstack([wall.points, [[0, 0, 9.0]]]),
+            supported=np.append(wall.supported, False),
+            bed_normal=np.vstack([wall.bed_normal, np.zeros((1, 3))]),
+        )

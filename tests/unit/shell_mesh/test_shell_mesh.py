@@ -367,8 +367,9 @@ def test_the_strain_of_as_many_facets_as_nodes_is_one_of_facets(tmp_path):
     # Some facets get a corner of their own.
     apart, triangles = shell.triangles[:more, 0], shell.triangles.copy()
     triangles[:more, 0] = len(shell.points) + np.arange(more)
-    points, supported = (np.concatenate([part, part[apart]]) for part in (shell.points, shell.supported))
-    shell = replace(shell, points=points, supported=supported, triangles=triangles)
+    alike = ("points", "supported", "bed_normal")
+    grown = {key: np.concatenate([getattr(shell, key), getattr(shell, key)[apart]]) for key in alike}
+    shell, points = replace(shell, **grown, triangles=triangles), grown["points"]
     state = ShellLimitState(
         load_factor=0.3,
         status="optimal",
