@@ -50,11 +50,9 @@ def test_a_wall_turns_with_what_stands_on_its_edge(thin: float, way: float) -> N
     expected = min(turned, thin / HIGH)
     stones, load = cp.derive_blocks(stepped(thin)), cp.LoadCase((way, 0, 0))
     assert cp.limit_analysis(stones, cp.find_contacts(stones), load, 0.7).load_factor == pytest.approx(expected, rel=1e-6)
-    # A hinge lies in the middle of the lowest row, 1/32 of the course above the base.
-    state = cp.shell_limit_analysis(cp.derive_shell(stepped(thin), 0.25), load, MATERIAL, planes="paper")
+    state = cp.shell_limit_analysis(cp.derive_shell(stepped(thin), 0.25), load, MATERIAL)
     assert state.status == "optimal"
-    assert state.load_factor == pytest.approx(expected, rel=0.02)
-    assert state.load_factor > expected
+    assert state.load_factor == pytest.approx(expected, rel=1e-6)
 
 
 def barrel(**sizes: float) -> Building:
@@ -90,7 +88,7 @@ def test_two_walls_and_a_barrel_fall_as_their_stones_do(sizes: dict[str, float])
     shell = cp.derive_shell(building, 0.25)
     assert cp.match_models(stones, contacts, shell).passed
     # .0452: walls and vault fall together; .0484: walls that go on leave it to the vault, whose hinges the shell spreads.
-    assert cp.shell_limit_analysis(shell, load, MATERIAL, planes="paper").load_factor == pytest.approx(expected, rel=0.02)
+    assert cp.shell_limit_analysis(shell, load, MATERIAL).load_factor == pytest.approx(expected, rel=0.01)
 
 
 @pytest.mark.slow
@@ -168,7 +166,7 @@ def test_a_vaulted_apse_stands_beside_ring_beams() -> None:
 
 
 @pytest.mark.slow("docs/vault_validation.md: a dome on slabs, as stones and as a shell of finer and finer elements")
-@pytest.mark.parametrize(("size", "expected"), [(0.75, 0.5046), (0.5, 0.5076)])
+@pytest.mark.parametrize(("size", "expected"), [(0.75, 0.4400), (0.5, 0.4342)])
 def test_a_dome_on_slabs_as_a_shell(size: float, expected: float) -> None:
     building, load = domed(), cp.LoadCase((1, 0, 0))
     stones = cp.derive_blocks(building)

@@ -2,7 +2,8 @@
 
 Independent calculations made for this project, 8 planes, quadratic membrane: S5 .316 at 40 x 45 mm, converging to about .31
 (paper .298); S22 with an unyielding lintel .214 at 20 x 22.5 mm and still falling, band .20-.22 (paper .182: how its lintel was
-modelled is not said). The exact cell lies inside the planes and stands on joints; on these buildings it has 4.5 % less at most.
+modelled is not said). The exact cell lies inside the planes and stands on joints; on these buildings it has 4.5 % less at most
+at 60 mm.
 """
 
 from collections.abc import Mapping

@@ -317,11 +317,10 @@ def _of_vaults(case: "Case") -> Iterator[str]:
             f"A groin vault {given['thickness']:g} m thick pushes piers {pier:g} m thick over: it falls under its own weight "
             "where they are no thicker than itself. Are thicker piers or ties meant?"
         )
-    low = generator == "dome" and "rise" in given
-    if case.shell is not None and (low or given.get("shape") == "segmental"):
+    if case.shell is not None and generator == "dome" and "rise" in given:
         yield (
-            "The shell of a vault on skewbacks does not slide off them, as its stones do: of both load factors the lower one is "
-            "to be used. Is [shell] meant?"
+            "The shell of a low dome does not slide off the upper joints of its skewbacks, as its stones do: of both load "
+            "factors the lower one is to be used. Is [shell] meant?"
         )
     if generator == "dome" and given.get("laid") == "lunes" and given.get("stone_sides", 2) > 1:
         turn = (1 if given.get("plan") == "half" else 2) * np.pi * given.get("stone_sides", 2) / given.get("sides", 32) / 2

@@ -258,7 +258,10 @@ def test_what_is_out_of_all_reason_is_questioned(change: dict[str, float], words
         ('plan = "half"\nfront = "wall"\n#', []),
         ('laid = "lunes"\n#', ["Stones of 2 sides are bowed in plan by 57.6 mm"]),
         ("rise_m = 2.0\n#", []),
-        ("rise_m = 2.0\n[shell]\nelement_size_mm = 500\n#", ["The shell of a vault on skewbacks does not slide off them"]),
+        (
+            "rise_m = 2.0\n[shell]\nelement_size_mm = 500\n#",
+            ["The shell of a low dome does not slide off the upper joints of its skewbacks"],
+        ),
         ('[rigid]\nflow = ["associative"]\n#', ["A vault is analysed with joints that open as they slide"]),
     ],
 )

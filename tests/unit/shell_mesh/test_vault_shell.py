@@ -13,7 +13,7 @@ import pytest
 
 import churchpipe as cp
 from churchpipe.errors import InputError
-from churchpipe.generators import dome, vault
+from churchpipe.generators import chapel, dome, vault
 from churchpipe.homogenised_shell.bounds import proved_bounds
 from churchpipe.homogenised_shell.condensed import CondensedShell
 from churchpipe.homogenised_shell.element import shell_elements
@@ -29,6 +29,7 @@ WALLS: dict[str, Any] = {"wall_height": 1.0, "wall_thickness": 0.5, "wall_course
 THIN: dict[str, Any] = {"wall_height": 1.0, "wall_course": 0.25}
 DRUM: dict[str, Any] = {"drum_height": 0.6, "drum_thickness": 0.1, "drum_course": 0.15}
 HALF: dict[str, Any] = {"span": 1.79, "thickness": 0.21, "rings": 12, "sides": 16, "plan": "half"}
+ROOM: dict[str, Any] = {"width": 5.0, "length": 5.0, "height": 1.0, "thickness": 0.9, "course": 0.25, "stone_length": 0.5}
 # Figures of the manual that take half a minute.
 LUNES_AND_RINGS = pytest.mark.slow("docs/vault_validation.md: lunes, and rings pushed along a barrel")
 FACETS = pytest.mark.slow("docs/vault_validation.md: shells of vaults and domes")
@@ -252,6 +253,40 @@ def test_a_segmental_barrel_slides_off_its_skewbacks(friction: float, in_shell: 
     assert of_stones.load_factor == pytest.approx(in_stones, abs=6e-5)
     of_shell = cp.shell_limit_analysis(cp.derive_shell(building, 0.2), load, material)
     assert of_shell.load_factor == pytest.approx(in_shell, abs=6e-5)
+
+
+@pytest.mark.slow("docs/limits.md: domes that slide on the upper joints of skewbacks, groin vaults")
+@pytest.mark.parametrize(
+    ("build", "sizes", "friction", "in_shell", "in_stones"),
+    [
+        (dome, {"span": 3.21, "rise": 0.5, "thickness": 0.46, "rings": 8, "sides": 24}, 0.54, 0.3845, 0.2552),
+        (vault, {"kind": "groin", "span": 3.6, "thickness": 0.3, "courses": 13, "stone_length": 0.5}, 0.6, np.nan, 0.1853),
+    ],
+)
+def test_where_joints_at_the_feet_are_not_those_that_slide(
+    build: Callable[..., Building], sizes: dict[str, Any], friction: float, in_shell: float, in_stones: float
+) -> None:
+    """Our own figures of docs/limits.md."""
+    material, load = (cp.Material("default", 18e3, friction),), cp.LoadCase((1, 0, 0))
+    building = build(**sizes, materials=material)
+    stones = cp.derive_blocks(building)
+    of_stones = cp.limit_analysis(stones, cp.find_contacts(stones), load, friction)
+    assert of_stones.load_factor == pytest.approx(in_stones, abs=6e-5)
+    of_shell = cp.shell_limit_analysis(cp.derive_shell(building, 0.5), load, material)
+    assert of_shell.load_factor == pytest.approx(in_shell, abs=6e-5, nan_ok=True)
+    assert of_shell.status == ("unstable" if np.isnan(in_shell) else "optimal")
+
+
+@pytest.mark.slow
+def test_a_dome_slides_off_the_slabs_below_it() -> None:
+    material, load = (cp.Material("default", 18e3, 0.4),), cp.LoadCase((1, 0, 0))
+    over = {"over": "nave", "kind": "dome", "thickness": 0.3, "courses": 8}
+    building = chapel(**ROOM, vaults=(over,), materials=material)
+    stones = cp.derive_blocks(building)
+    of_stones = cp.limit_analysis(stones, cp.find_contacts(stones), load, 0.4).load_factor
+    assert of_stones == pytest.approx(0.3626, abs=6e-5)
+    of_shell = cp.shell_limit_analysis(cp.derive_shell(building, 0.5), load, material).load_factor
+    assert of_shell == pytest.approx(of_stones, rel=0.015)
 
 
 @pytest.mark.slow("docs/limits.md: aligned heads, half domes")
