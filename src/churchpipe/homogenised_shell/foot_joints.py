@@ -18,6 +18,9 @@ from churchpipe.homogenised_shell.settings import SOLVER
 from churchpipe.model.arrays import BoolArray, FloatArray, IntArray
 from churchpipe.model.shell import ShellModel
 
+# A normal whose part square to an edge is no more than this share runs along the edge, and tells nothing of its joint.
+_ALONG = 1e-6
+
 
 @dataclass(frozen=True, slots=True)
 class FootJoints:
@@ -53,7 +56,8 @@ def foot_joints(shell: ShellModel, edges: Edges) -> FootJoints:
     """Return the joints at border edges between two supported nodes, at the feet of what stands on walls, and at ring beams.
 
     A joint is square to the normal of what its nodes stand on (`ShellModel.bed_normal`), level on a wall and at a beam, and
-    square to its facet where neither is known. Leaves that nothing ties stand each on a joint of half the width.
+    square to its facet where neither is known, or runs along its edge. Leaves that nothing ties stand each on a joint of half
+    the width.
     """
     nn, ne = len(shell.points), len(edges.nodes)
     grounded = shell.supported[edges.nodes].all(axis=1)
@@ -69,9 +73,9 @@ def foot_joints(shell: ShellModel, edges: Edges) -> FootJoints:
     known = np.where(on_walls[edge, None], [0.0, 0.0, 1.0], shell.bed_normal[nodes].sum(axis=1))
     above = np.sign(shell.centroid[facet, 2] - begin[:, 2])
     known[at_beams[edge]] = (above[:, None] * [0.0, 0.0, 1.0])[at_beams[edge]]
-    unknown = ~known.any(axis=1)
-    known[unknown] = (shell.centroid[facet] - begin)[unknown]
-    away = known - np.einsum("fc,fc->f", known, along)[:, None] * along
+    away = _square(known, along)
+    unknown = np.linalg.norm(away, axis=1) <= _ALONG * np.linalg.norm(known, axis=1)
+    away[unknown] = _square((shell.centroid[facet] - begin)[unknown], along[unknown])
     away /= np.linalg.norm(away, axis=1)[:, None]
     across = np.cross(away, along)
     frame = np.stack([away, along, across], axis=1)
@@ -104,6 +108,11 @@ def foot_joints(shell: ShellModel, edges: Edges) -> FootJoints:
         np.repeat(frame, 2, axis=0),
         sp.csr_matrix(triplets, shape=(12 * len(edge), 3 * nn + ne)),
     )
+
+
+def _square(vectors: FloatArray, along: FloatArray) -> FloatArray:
+    """Return what vectors (n, 3) have square to unit vectors (n, 3)."""
+    return vectors - np.einsum("nc,nc->n", vectors, along)[:, None] * along
 
 
 def pair_closing(*, crushes: bool = False) -> FloatArray:
