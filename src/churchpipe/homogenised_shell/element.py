@@ -45,7 +45,9 @@ class ShellElements:
     facet (nq,). bubble_edge (nb,), bubble_direction (nb, 3): mid-side translations beyond the mean of the ends.
     clamped (n,): unknowns held at the supported nodes, and at border edges between two of them; those of feet of vaults and of
     nodes under ring beams. motion (n - 6 nm, n): how translations, rotations and bubbles follow from the unknowns, of which the
-    last are the velocities of beams: feet go with their walls, and nodes under beams with these.
+    last are the velocities of beams: feet go with their walls, and nodes under beams with these. feet: joints at feet, whose
+    pairs of corners are points behind those of the facets, with the motions of the corners, m, for strain and half of the edge,
+    m, for weight; None: what stands is held there.
     """
 
     shell: ShellModel
@@ -152,6 +154,7 @@ def shell_elements(
     stations: where the strain of an LST is evaluated. With "inner" the elastic energy is exact and load factors are most
     accurate. With "corners" a linear strain that obeys the flow rule at the corners obeys it everywhere, so load factors in the
     plane of a wall are upper bounds, at the price of a larger error. Those of a CST are upper bounds in any case.
+    on_joints: whether feet stand on joints that open and slide, or are held.
 
     Raises
     ------
